@@ -71,6 +71,7 @@ def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:
         ("param sample : 1 = 200", "`sample` is no limit"),
         ("param samples : 1 = 1.5", "the limit `samples` is 1.5"),
         ("param samples : 1 = 1", "the limit `samples` is 1"),
+        ("param border : 1 = 3e9", "the limit `border` is 3e\\+09"),
         ("param apart : s = 1 s", "the limit `apart` is in s, not in m"),
     ],
 )

@@ -478,7 +478,17 @@ def test_the_judge_is_not_asked_about_a_cycle_that_breaks_the_contract() -> None
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("budget", -1.0), ("apart", math.nan), ("samples", 1), ("samples", 5.0), ("blind", "1")],
+    [
+        ("budget", -1.0),
+        ("apart", math.nan),
+        ("samples", 1),
+        ("samples", 5.0),
+        ("blind", "1"),
+        pytest.param(
+            "longest_gap", 10**400, id="beyond all doubles"
+        ),  # it cannot be added to a time: steps raised
+        ("border", 2**31),  # generated C took another number for it
+    ],
 )
 def test_limits_that_are_none(name: str, value: Any) -> None:
     with pytest.raises(TrackmarshalError) as caught:

@@ -73,7 +73,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    assert warnings() == {"E220", "W301", "W302", "W303", "W304"}
+    assert warnings() == {"E220", "W301", "W302", "W303", "W304", "W305", "W306", "W307"}
     assert warnings() <= catalogue().keys()
 
 
@@ -90,3 +90,48 @@ def test_what_is_shared_is_looked_at_once(tmp_path: Path) -> None:
     first = "  let x0 = ego.v\n  let y0 = ego.heading\n"
     made = compiled(tmp_path, rule("a", "x60 == 1 m/s and y60 < 90", first + lets))
     assert [f.code for f in made.found] == ["W301", "W302"]
+
+
+@pytest.mark.parametrize(
+    ("formula", "word"),
+    [
+        ("for all o in objects: o.v < ego.v implies fast", "for all"),
+        ("for all o in objects: o.v < ego.v iff fast", "for all"),
+        ("exists o in objects: o.v < ego.v xor fast", "exists"),
+        ("exists nearest o in objects by o.v: o.v < ego.v implies fast", "exists"),
+        ("fast and for all o in objects: o.v < ego.v implies ego.v > 1 m/s", "for all"),
+        ("fast or not for all o in objects: exists p in objects: p.v < o.v implies fast", "for all"),
+        ("always[0 s, 3 s] fast implies ego.v > 1 m/s", "always"),
+        ("for all o in objects: (o.v < ego.v implies fast)", ""),
+        ("(for all o in objects: o.v < ego.v) implies fast", ""),
+        ("for all o in objects: (o.v < ego.v) implies fast", ""),
+        ("for all o in objects: o.v < ego.v and fast", ""),
+        ("exists o in objects: o.v < ego.v or fast", ""),
+        ("fast implies for all o in objects: o.v < ego.v", ""),
+        ("once[0 s, 3 s] fast implies ego.v > 1 m/s", ""),
+        ("min(o.v for o in objects else 1 m/s) > 0 m/s implies fast", ""),
+    ],
+)
+def test_where_a_quantifier_ends_is_asked(formula: str, word: str, tmp_path: Path) -> None:
+    more = 'signal objects : set of object { v: m/s }\nevent fast "f"\n'
+    made = compiled(tmp_path, more + rule("a", formula))
+    assert made.errors == []
+    assert [(found.code, found.message.split("`")[1]) for found in made.found] == (
+        [("W307", word)] if word else []
+    )
+    allowed = compiled(tmp_path, more + rule("a", formula, '  allow     W307 because "why"\n'))
+    assert [found.code for found in allowed.found] == ([] if word else ["W303"])
+
+
+def test_where_a_quantifier_ends_makes_the_difference(tmp_path: Path) -> None:
+    """What the warning is about: of two cars, one is ahead. With what is written first, nothing is demanded."""
+    more = 'signal objects : set of object { v: m/s }\nevent fast "f"\n'
+    early = rule("early", "for all o in objects: o.v < ego.v implies fast")
+    all_of_it = rule("all_of_it", "for all o in objects: (o.v < ego.v implies fast)")
+    evaluator = Evaluator(compiled(tmp_path, more + early + all_of_it).spec, None, "reference")
+    signals = {"ego": {"v": 2.0, "heading": 0.0}, "objects": [{"v": 1.0}, {"v": 3.0}], "fast": False}
+    (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+    assert {name: one.verdict for name, one in result.rules.items()} == {
+        "early": "satisfied",
+        "all_of_it": "violated",
+    }

@@ -13,16 +13,6 @@ from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 
 
-class Lowered(Node):
-    """A rule's formula; `active` holds where the rule applies at all (None: always); `along` is its timeline."""
-
-    formula: ir.Formula
-    active: ir.Formula | None
-    along: ir.Axis | None
-    #: What the rule calls the values in it.
-    names: tuple[Called, ...] = ()
-
-
 class Level(Node):
     """A clause that the condition stands under: its axis, and its guard, both where it has them; and what is left out of its range."""
 
@@ -42,14 +32,29 @@ class Level(Node):
         return allowed
 
 
+class Lowered(Node):
+    """A rule's formula; `active` holds where the rule applies at all (None: always); `along` is its timeline.
+
+    levels, demand: what the formula is made of, the timeline first, then as written.
+    """
+
+    formula: ir.Formula
+    active: ir.Formula | None
+    along: ir.Axis | None
+    levels: tuple[Level, ...]
+    demand: ir.Formula
+    #: What the rule calls the values in it.
+    names: tuple[Called, ...] = ()
+
+
 def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> Lowered:
     """The core of a rule; scales: by SI unit, what its margins are divided by before they are compared."""
     lowering = Lowering(interner, scales)
     levels, body = clauses(rule, lowering)
     # The timeline is the outermost axis, whether `whenever`, which knows nothing of it, stands before it or after it.
     levels.sort(key=lambda level: not isinstance(level.clause, typed.Along))
-    core = _nested(levels, body, lowering)
-    return Lowered(core.formula, core.active, core.along, tuple(lowering.names.values()))
+    formula, active, along = _nested(levels, body, lowering)
+    return Lowered(formula, active, along, tuple(levels), body, tuple(lowering.names.values()))
 
 
 def levels_of(rule: typed.Rule) -> list[Level]:
@@ -92,7 +97,10 @@ def clauses(rule: typed.Rule, lowering: Lowering) -> tuple[list[Level], ir.Formu
     return levels, body
 
 
-def _nested(levels: list[Level], body: ir.Formula, lowering: Lowering) -> Lowered:
+def _nested(
+    levels: list[Level], body: ir.Formula, lowering: Lowering
+) -> tuple[ir.Formula, ir.Formula | None, ir.Axis | None]:
+    """Formula, where it applies, and timeline."""
     make = lowering.make
     active: ir.Formula | None = None
     along: ir.Axis | None = None
@@ -123,4 +131,4 @@ def _nested(levels: list[Level], body: ir.Formula, lowering: Lowering) -> Lowere
                 active = None if active is None else make(ir.At, axis, name, active, clause.place)
             case _:
                 assert_never(clause)
-    return Lowered(body, active, along)
+    return body, active, along

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 #: The candidates, in the order in which they are judged.
 DRIVING, EMERGENCY = "driving", "emergency"
+
+#: The largest capacity: what numbers of entries are in C.
+MOST = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +82,15 @@ class Limits:
         for field in fields(self):
             value = getattr(self, field.name)
             whole = field.name in CAPACITIES
-            if type(value) not in ((int,) if whole else (int, float)) or not value >= (2 if whole else 0):
-                wanted = "a whole number, at least 2" if whole else "a number, at least 0"
-                raise TrackmarshalError(
-                    "E481",
-                    f"the limit `{field.name}` is {value!r:.40}",
-                    help=f"it is {wanted}; inf takes a limit away",
-                )
+            kinds, least, most = ((int,), 2, MOST) if whole else ((int, float), 0, math.inf)
+            if type(value) in kinds and least <= value <= most and _is_double(value):
+                continue
+            wanted = f"a whole number, from 2 to {MOST}" if whole else "a number, at least 0"
+            raise TrackmarshalError(
+                "E481",
+                f"the limit `{field.name}` is {_shown(value)}",
+                help=f"it is {wanted}; inf takes a limit away",
+            )
 
     @classmethod
     def of(cls, spec: Spec, **changes: Any) -> Limits:
@@ -132,6 +138,15 @@ UNITS = {
 }  # fmt: skip
 
 
+def _is_double(value: float) -> bool:
+    """Whether it is a number that can be added to a time: whole ones of Python have no end."""
+    return type(value) is not int or abs(value) <= sys.float_info.max
+
+
+def _shown(value: Any) -> str:
+    return f"{value!r:.40}" if _is_double(value) else "beyond all doubles"
+
+
 def _no_limit(name: str, value: float, unit: str) -> tuple[str, str] | None:
     """Why a parameter is no limit, and what to do; None where it is one."""
     from trackmarshal.units import parse_unit
@@ -141,6 +156,6 @@ def _no_limit(name: str, value: float, unit: str) -> tuple[str, str] | None:
         return f"`{name}` is no limit of a Supervisor", help_
     if parse_unit(unit)[2] != parse_unit(UNITS[name])[2]:
         return f"the limit `{name}` is in {unit}, not in {UNITS[name]}", f"declare it in {UNITS[name]}"
-    if name in CAPACITIES and not (value >= 2 and value == int(value)):
-        return f"the limit `{name}` is {value:g}", "it is a whole number, at least 2"
+    if name in CAPACITIES and not (2 <= value <= MOST and value == int(value)):
+        return f"the limit `{name}` is {value:g}", f"it is a whole number, from 2 to {MOST}"
     return None

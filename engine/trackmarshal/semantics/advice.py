@@ -12,8 +12,9 @@ from typing import assert_never
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.semantics import errors
-from trackmarshal.semantics.errors import BareAngle, ExactlyEqual, WrongDimension
+from trackmarshal.semantics.errors import BareAngle, EndsEarly, ExactlyEqual, WrongDimension
 from trackmarshal.source import Span
+from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, show
 
 #: What stands in parentheses on the left and on the right of a minus.
@@ -32,6 +33,40 @@ def warnings() -> set[str]:
         kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, Diagnostic)
     )
     return {kind.code for kind in kinds if kind.level == "warning"}
+
+
+def ends_early(expr: ast.Binary) -> EndsEarly | None:
+    """What is to be said of a connective whose left side ends with a quantifier, or with `always`, that may have been meant to go on.
+
+    Of `and` and `or` it makes no difference, or next to none, how far it goes.
+    """
+    if expr.op in ("and", "or"):
+        return None
+    last: ast.Expr | None = expr.left
+    while last is not None and not ast.is_parenthesised(last):
+        below = _ending(last)
+        word = last.quantifier if isinstance(last, ast.Quantified) else "always" if _always(last) else ""
+        if word and below is not None and not ast.is_parenthesised(below):
+            return EndsEarly(last.__dict__["span"], word, expr.op)
+        last = below
+    return None
+
+
+def _always(expr: ast.Expr) -> bool:
+    return isinstance(expr, ast.Temporal) and expr.op == "always"
+
+
+def _ending(expr: ast.Expr) -> ast.Expr | None:
+    """What a formula ends with, where that is a formula that may go on."""
+    match expr:
+        case ast.Binary() | ast.Until():
+            return expr.right
+        case ast.Unary() | ast.Temporal():
+            return expr.operand
+        case ast.Quantified():
+            return expr.body
+        case _:
+            return None
 
 
 class Advice:

@@ -28,6 +28,7 @@ from trackmarshal.ir.spec import (
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
 from trackmarshal.semantics.courses import check_course
@@ -128,6 +129,7 @@ class _Compiler:
         self.constraints: list[ConstraintInfo] = []
         self.interner = ir.Interner()
         self.x = Expressions(self.signals, self.found)
+        self.x.bounds = Bounds(self.signals, self.params)
         self.scopes = self.x.scopes
         self.elsewhere = Elsewhere(library)
 
@@ -603,6 +605,7 @@ class _Compiler:
         # A definition may use the rule's timeline: check it with one at hand.
         ctx = self._context(module).bind({}, 1, any_timeline(NOWHERE))
         for item in self._own(module, ast.Define):
+            start = len(self.found)
             seen: dict[str, Span] = {}
             for parameter in item.parameters:
                 if parameter.name in seen:
@@ -617,6 +620,9 @@ class _Compiler:
                 self.x.failed.add(symbol.qualified)
             # Where a rule uses it, they are found again, and the rule may allow them.
             self.found[before:] = [d for d in self.found[before:] if not d.code.startswith("W")]
+            if not any(found.level == "error" for found in self.found[start:]):
+                for parameter in item.parameters:
+                    self.x.check_used((parameter.name,), (item.body,), parameter.span)
 
     def _states(self, module: str) -> None:
         for item in self._own(module, ast.State):

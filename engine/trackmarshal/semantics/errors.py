@@ -673,7 +673,10 @@ class UnusedVariable(Diagnostic):
     level = "warning"
     text = "`{name}` is bound and never used"
     label = "nothing depends on it"
-    explanation = "A quantifier whose variable does not occur in its body says the same thing for every element; a name may be misspelt."
+    explanation = (
+        "A quantifier whose variable does not occur in its body says the same thing for every element. A `let` that no clause asks for, and a "
+        "parameter that a definition does not look at, change nothing either: a name may be misspelt, or another thing be meant."
+    )
 
     span: Span
     name: str
@@ -743,3 +746,59 @@ class AllowsNothing(Diagnostic):
 
     span: Span
     allowed: str
+
+
+class NeverHolds(Diagnostic):
+    code = "W305"
+    title = "a condition that never holds"
+    level = "warning"
+    text = "{what} never holds"
+    label = "{consequence}"
+    other_label = "nothing is left from here on"
+    remedy = 'mend it, or say in the rule why this is meant: `allow W305 because "..."`'
+    explanation = (
+        "No input that keeps the contract meets the condition, whatever parameters are set to within their ranges: a value outside of its declared "
+        "range (perhaps in another unit), limits that exclude each other, or a denial of what is demanded further up. A `whenever` or a `where` like "
+        "this turns its rule off without a word."
+    )
+
+    span: Span
+    what: str
+    consequence: str
+    other: Span | None = None
+
+
+class AlwaysHolds(Diagnostic):
+    code = "W306"
+    title = "a condition that always holds"
+    level = "warning"
+    text = "{what} always holds"
+    label = "{consequence}"
+    remedy = 'mend it, or say in the rule why this is meant: `allow W306 because "..."`'
+    explanation = (
+        "No input that keeps the contract is against the condition, whatever parameters are set to within their ranges: a rule that demands it is "
+        "violated by nothing, and an exception like this leaves nothing over. A limit may be in another unit than it should, `or` stand for `and`, or "
+        "the demand repeat what `whenever` or `where` asks already."
+    )
+
+    span: Span
+    what: str
+    consequence: str
+
+
+class EndsEarly(Diagnostic):
+    code = "W307"
+    title = "a quantifier that ends before a connective"
+    level = "warning"
+    text = "`{word}` ends before `{op}`"
+    label = "it goes no further than this"
+    remedy = "put parentheses around this, or around all that it is about, `{op}` included"
+    explanation = (
+        "What a quantifier or `always` is about ends before the next connective: `for all o in objects: p implies q` is `(for all o in objects: p) implies "
+        "q`, which demands q only where p holds of all of them; `for all o in objects: (p implies q)` demands it wherever p holds of one. Parentheses say "
+        "which is meant."
+    )
+
+    span: Span
+    word: str
+    op: str

@@ -12,7 +12,8 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice
+from trackmarshal.semantics.advice import Advice, ends_early
+from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
     BadValue,
@@ -108,6 +109,8 @@ class Expressions:
         #: SI unit -> the scale of margins in it, where that is declared.
         self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
+        #: What numbers can come to; the compiler adds what it knows of parameters.
+        self.bounds = Bounds(signals, {})
         #: By name.
         self.courses: dict[str, CourseInfo] = {}
         self.advice = Advice()
@@ -400,6 +403,7 @@ class Expressions:
     def _binary(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         op, span = expr.op, expr.span
         if op in typed.CONNECTIVES:
+            self.advise(ends_early(expr))
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":

@@ -13,7 +13,7 @@ from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, margin_units
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo, SignalType
-from trackmarshal.lowering.rules import lower_rule
+from trackmarshal.lowering.rules import Lowered, lower_rule
 from trackmarshal.semantics.advice import warnings
 from trackmarshal.semantics.courses import judged_at
 from trackmarshal.semantics.errors import (
@@ -26,6 +26,7 @@ from trackmarshal.semantics.errors import (
 )  # fmt: skip
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.vacuity import vacuous
 from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -98,12 +99,15 @@ class RuleBuilder:
             isinstance(d, UnknownName) for d in self.x.found[before:]
         ):  # which may be the variable, misspelt
             self.x.found[before:] = [d for d in self.x.found[before:] if not isinstance(d, UnusedVariable)]
+        core: Lowered | None = None
+        if rule is not None and not any(d.level == "error" for d in self.x.found[before:]):
+            core = lower_rule(rule, self.interner)
+            self.x.found += vacuous(core, rule, self.x.bounds)
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
         if rule is None and kind == "rule":
             return None
-        core = None if rule is None else lower_rule(rule, self.interner)
         unit = margin_unit(core.formula if core else None)
         if rule is not None and core is not None and unit == MIXED:
             if any(self.x.scales.get(each, 1.0) != 1.0 for each in margin_units(core.formula)):
@@ -281,6 +285,8 @@ class RuleBuilder:
                         made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
+                        others = tuple(one for one in clauses if one is not clause)
+                        self.x.check_used((clause.name,), others, clause.span.head)
                         value = self.x.value(clause.value, ctx)
                         ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
                         made.append(typed.Let(clause.name, value, clause.span))

@@ -27,6 +27,7 @@ from trackmarshal.semantics.errors import (
 )
 from trackmarshal.semantics.overrun import misused
 from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.vacuity import never_taken
 from trackmarshal.semantics.values import Broken, Local, Poison
 from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
@@ -170,6 +171,8 @@ def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context)
             problem_ = OverRunProblem(ahead.span, f"`{item.name}` cannot wait for what will be", hint)
         if problem_ is not None:
             x.fail(problem_)
+        never = never_taken(guard, one.guard.span, x.bounds)
+        x.found += [] if never is None else [never]
         for keep in one.kept:
             if over_run(lowering.number(keep.value)):
                 problem = "what is remembered is a number of the cycle of the transition alone"

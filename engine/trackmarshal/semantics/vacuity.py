@@ -1,0 +1,88 @@
+"""Rules that say nothing: conditions that never hold, demands that nothing can break or nothing can meet."""
+
+from __future__ import annotations
+
+from trackmarshal import typed
+from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.ir import nodes as ir
+from trackmarshal.lowering.rules import Lowered
+from trackmarshal.semantics.bounds import FAILS, HOLDS, Bounds, Facts, TooMuchError
+from trackmarshal.semantics.errors import AlwaysHolds, NeverHolds
+from trackmarshal.source import Span
+
+
+def vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> list[Diagnostic]:
+    """The first clause of a rule because of which it says nothing, outermost first."""
+    bounds.begin()
+    try:
+        found = _vacuous(core, rule, bounds)
+    except (TooMuchError, RecursionError):  # a warning that is not given harms nobody
+        found = None
+    return [] if found is None else [found]
+
+
+def never_taken(guard: ir.Formula, span: Span, bounds: Bounds) -> Diagnostic | None:
+    """What is to be said of the guard of a transition that is never taken."""
+    bounds.begin()
+    try:
+        if bounds.truths(guard, bounds.nothing) & HOLDS:
+            return None
+        part = bounds.impossible(guard, bounds.nothing)
+    except (TooMuchError, RecursionError):
+        return None
+    return _never(span, "this guard", "the transition is never taken", part)
+
+
+def _vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Diagnostic | None:
+    facts: Facts | None = bounds.nothing
+    sought = False
+    for level in core.levels:
+        assert facts is not None
+        clause = level.clause
+        if isinstance(clause, typed.ForEach):
+            sought = sought or clause.quantifier == "exists"
+        if level.guard is not None:
+            met = bounds.assume(level.guard, True, facts)
+            if met is None:
+                return _never(
+                    _where(clause), "this condition", _without(clause), bounds.impossible(level.guard, facts)
+                )
+            facts = met
+        for excepted, condition in level.excepted:
+            if not bounds.truths(condition, facts) & HOLDS:
+                part = bounds.impossible(condition, facts)
+                return _never(excepted.condition.span, "this exception", "nothing is left out", part)
+            facts = bounds.assume(condition, False, facts)
+            if facts is None:
+                return AlwaysHolds(excepted.condition.span, "this exception", _without(clause))
+    assert facts is not None
+    if isinstance(rule.condition, typed.Boolean):  # as it says itself
+        return None
+    known = bounds.truths(core.demand, facts)
+    if not known & HOLDS:
+        part = bounds.impossible(core.demand, facts)
+        return _never(rule.condition.span, "this demand", "nothing can meet it", part)
+    if not known & FAILS and not sought:
+        return AlwaysHolds(rule.condition.span, "this demand", "nothing can violate it")
+    return None
+
+
+def _never(span: Span, what: str, consequence: str, part: Span | None) -> NeverHolds:
+    """What never holds, and the part of it because of which: not where that is all of it."""
+    return NeverHolds(span, what, consequence, None if part is None or part.text == span.text else part)
+
+
+def _where(clause: typed.Along | typed.Whenever | typed.ForEach) -> Span:
+    """Where the condition of a clause stands."""
+    if isinstance(clause, typed.Whenever):
+        return clause.condition.span
+    if isinstance(clause, typed.ForEach) and clause.where is not None:
+        return clause.where.span
+    return clause.span
+
+
+def _without(clause: typed.Along | typed.Whenever | typed.ForEach) -> str:
+    """What follows where a clause leaves nothing."""
+    if isinstance(clause, typed.ForEach) and clause.quantifier == "exists":
+        return "nothing is ever found"
+    return "the rule never applies" if isinstance(clause, typed.Whenever) else "the range is always empty"
