@@ -70,7 +70,8 @@ def distance(x: float, y: float, s: Segment) -> float:
     if 0.0 < ex * px + ey * py < squared:
         return abs(ex * py - ey * px) / math.sqrt(squared)
     qx, qy = x - bx, y - by
-    return math.sqrt(min(px * px + py * py, qx * qx + qy * qy))
+    start, end = px * px + py * py, qx * qx + qy * qy
+    return math.sqrt(end if end < start else start)
 
 
 def nearest(points: Sequence[Point], s: Segment) -> float:
@@ -78,13 +79,17 @@ def nearest(points: Sequence[Point], s: Segment) -> float:
     ax, ay, bx, by, ex, ey = s
     squared = ex * ex + ey * ey
     beside = ends = math.inf
+    # `min` written out, as `distance` is: nothing but that is asked for as often.
     for x, y in points:
         px, py = x - ax, y - ay
         if 0.0 < ex * px + ey * py < squared:
-            beside = min(beside, abs(ex * py - ey * px))
+            off = abs(ex * py - ey * px)
+            beside = off if off < beside else beside
         else:
             qx, qy = x - bx, y - by
-            ends = min(ends, px * px + py * py, qx * qx + qy * qy)
+            start, end = px * px + py * py, qx * qx + qy * qy
+            ends = start if start < ends else ends
+            ends = end if end < ends else ends
     return min(beside / math.sqrt(squared), math.sqrt(ends)) if beside < math.inf else math.sqrt(ends)
 
 

@@ -75,6 +75,9 @@ def test_whatever_a_program_says(said: list[tuple[int, float]]) -> None:
         assert (one.rule, one.verdict, one.advisory) == (name, CODES[codes[k]], k == 2)
         assert one.fired == (k in against) == (one.reason == "looked for")
         assert k in against or same(one.margin, margins[k])
+        for brief in (result.said(name), CaseResult(result.id, dict(result.rules)).said(name)):
+            assert (brief.verdict, brief.fired) == (CODES[codes[k]], k in against)
+            assert same(brief.margin, one.margin)
     assert [one.rule for one in result.against] == [NAMES[k] for k in against]
     assert result.safe == (not [k for k in against if k != 2])
     plain = CaseResult(result.id, dict(result.rules), result.faults)

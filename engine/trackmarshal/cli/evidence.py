@@ -216,7 +216,7 @@ def run_summary(
                 for name, truth in truths_of.items()
             )
             for candidate, result in cycle.results.items():
-                verdict = result.rules[rule.name].verdict
+                verdict = result.said(rule.name).verdict
                 counts.setdefault(candidate, Counter())[verdict] += 1
                 if verdict == "violated" and first is None:
                     first = cycle.t
@@ -250,7 +250,7 @@ def run_summary(
 def _verdicts(results: Mapping[str, CaseResult], rule: str, about: Label | None) -> set[str]:
     """The verdicts of a rule on the candidates that a truth judges."""
     of = "" if about is None else about.candidate
-    return {result.rules[rule].verdict for name, result in results.items() if of in ("", name)}
+    return {result.said(rule).verdict for name, result in results.items() if of in ("", name)}
 
 
 def write_run(folder: Path, outcome: Replay, evaluator: Evaluator, lines: Sequence[str]) -> None:

@@ -15,7 +15,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
-from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.runtime.verdict import RuleResult, Said
 from trackmarshal.scenarios.replay import CycleOutcome, Replay, intervals
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ def told_moments(replay: Replay, evaluator: Evaluator) -> list[dict[str, Any]]:
     for place, rule in enumerate(evaluator.rules):
         for candidate in dict.fromkeys(name for cycle in replay.cycles for name in cycle.results):
             results = [
-                cycle.results[candidate].rules[rule.name] if candidate in cycle.results else None
+                cycle.results[candidate].said(rule.name) if candidate in cycle.results else None
                 for cycle in replay.cycles
             ]
             numbers = chosen(results, remembers(rule))
@@ -58,7 +58,7 @@ def told_moments(replay: Replay, evaluator: Evaluator) -> list[dict[str, Any]]:
     return found
 
 
-def chosen(results: Sequence[RuleResult | None], remembering: bool) -> list[int]:
+def chosen(results: Sequence[RuleResult | Said | None], remembering: bool) -> list[int]:
     """The numbers of the cycles of which numbers are told, ascending: where those would be too many, those that matter more."""
     known = {i: result for i, result in enumerate(results) if result is not None}
     told = {i: result for i, result in known.items() if result.verdict != "inactive"}

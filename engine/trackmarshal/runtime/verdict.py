@@ -111,6 +111,18 @@ class RuleResult:
         return self.fired and not self.advisory
 
 
+class Said(NamedTuple):
+    """Verdict and margin of a rule in one case, which is all that most of a long run is asked for."""
+
+    verdict: str
+    margin: float
+
+    @property
+    def fired(self) -> bool:
+        """Whether the rule is against what it was asked about."""
+        return self.verdict in UNSAFE
+
+
 def decides(result: RuleResult) -> str:
     """What is said after a margin that is a number of scales: the comparison that decided, with its own unit; empty of any other margin."""
     witness = result.witness
@@ -149,6 +161,14 @@ class Briefly(Mapping[str, RuleResult]):
             return idle
         return RuleResult(name, verdict, margin, idle.unit, advisory=idle.advisory)
 
+    def said(self, name: str) -> Said:
+        """Verdict and margin of a rule: as in its result, which is not made."""
+        found = self.against.get(name)
+        if found is not None:
+            return Said(found.verdict, found.margin)
+        number, _ = self._idle[name]
+        return Said(VERDICTS[self._codes[number]], float(self._margins[number]))
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._idle)
 
@@ -173,6 +193,13 @@ class CaseResult:
         if isinstance(self.rules, Briefly):
             return self.rules.against.values()
         return [result for result in self.rules.values() if result.fired]
+
+    def said(self, rule: str) -> Said:
+        """Verdict and margin of a rule."""
+        if isinstance(self.rules, Briefly):
+            return self.rules.said(rule)
+        result = self.rules[rule]
+        return Said(result.verdict, result.margin)
 
     @property
     def safe(self) -> bool:

@@ -43,11 +43,11 @@ class CycleOutcome:
 
     def whole(self, candidate: str, number: int, rule: str) -> RuleResult:
         """The result of a rule with what decided it."""
-        look, said = self.explain.get(candidate), self.results[candidate].rules[rule]
-        if look is None or said.witness is not None:
-            return said
         found = self._found.get((candidate, number))
         if found is None:
+            look, said = self.explain.get(candidate), self.results[candidate].rules[rule]
+            if look is None or said.witness is not None:
+                return said
             found = self._found[candidate, number] = look(number, False)
         return found
 

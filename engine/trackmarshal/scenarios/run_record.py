@@ -16,7 +16,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit
 from trackmarshal.ir.spec import RuleInfo
-from trackmarshal.runtime.verdict import RuleResult
+from trackmarshal.runtime.verdict import RuleResult, Said
 from trackmarshal.scenarios.in_force import in_force
 from trackmarshal.scenarios.inputs import defaulted
 from trackmarshal.scenarios.labels import kind_of
@@ -150,7 +150,7 @@ def _rule(number: int, rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> 
     by_candidate: dict[str, Any] = {}
     for name in CANDIDATES:
         whole = partial(_whole, replay, name, number, rule)
-        results = [c.results[name].rules[rule.name] if name in c.results else None for c in replay.cycles]
+        results = [c.results[name].said(rule.name) if name in c.results else None for c in replay.cycles]
         if any(result is not None for result in results):
             by_candidate[name] = {
                 "verdict": "".join(ABSENT if r is None else LETTERS[r.verdict] for r in results),
@@ -196,7 +196,7 @@ def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[s
     decisive = _decisive(rule) if own and not remembers(rule) else None
     for cycle in replay.cycles:
         for name, case in cycle.results.items():
-            if decisive is not None and case.rules[rule.name].verdict in DECIDED and decisive <= shown:
+            if decisive is not None and case.said(rule.name).verdict in DECIDED and decisive <= shown:
                 continue  # whatever decided it
             result = cycle.whole(name, number, rule.name)
             units.add(result.unit)
@@ -238,7 +238,7 @@ def _assumption(rule: RuleInfo) -> dict[str, Any]:
 
 
 def _firings(
-    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording, whole: Whole
+    rule: RuleInfo, candidate: str, results: Sequence[Said | None], recording: Recording, whole: Whole
 ) -> Iterable[dict[str, Any]]:  # fmt: skip
     """Stretches of consecutive cycles in which a rule is against a candidate, each with its worst cycle."""
     numbers = [i for i, result in enumerate(results) if result is not None and result.fired]
@@ -253,7 +253,7 @@ def _firings(
         }
 
 
-def _worst(results: Mapping[int, RuleResult]) -> int:
+def _worst(results: Mapping[int, Said]) -> int:
     """The cycle that is violated by the most; where none is violated, the first undefined one, then the first open one."""
     order = {"violated": 0, "undefined": 1, "open": 2}
     return min(
@@ -263,7 +263,7 @@ def _worst(results: Mapping[int, RuleResult]) -> int:
 
 
 def _least(
-    rule: RuleInfo, candidate: str, results: Sequence[RuleResult | None], recording: Recording, whole: Whole
+    rule: RuleInfo, candidate: str, results: Sequence[Said | None], recording: Recording, whole: Whole
 ) -> dict[str, Any] | None:
     """The cycle with the smallest margin; None where no cycle has one."""
     known = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from typing import Any, assert_never
 
@@ -283,20 +283,27 @@ def _keep(batch: Batch, key: tuple[Any, ...], owner: Any, make: Callable[[], Any
 
 def _corridor(batch: Batch, index: int, name: str) -> geometry.Corridor:
     left, right, closed = batch.cases[index].corridor(name)
-    key = ("corridor", id(left), id(right), closed)
-    corridor: geometry.Corridor = _keep(
-        batch, key, (left, right), lambda: geometry.Corridor(left.points, right.points, closed)
-    )
-    return corridor
+    return _road(batch, left, right, closed)
 
 
 def lane(batch: Batch, left: Line, right: Line) -> geometry.Corridor:
     """The road between the borders of a lane, open at both ends."""
+    return _road(batch, left, right, False)
+
+
+def _road(batch: Batch, left: Line, right: Line, closed: bool) -> geometry.Corridor:
     made: geometry.Corridor = _keep(
-        batch, ("corridor", id(left), id(right), False), (left, right),
-        lambda: geometry.Corridor(left.points, right.points, False),
+        batch, ("corridor", id(left), id(right), closed), (left, right),
+        lambda: _between(left.points.tobytes(), right.points.tobytes(), closed),
     )  # fmt: skip
     return made
+
+
+@lru_cache(maxsize=KEPT)
+def _between(left: bytes, right: bytes, closed: bool) -> geometry.Corridor:
+    """The road between borders of these points: many runs on one track have lines of their own, and it takes longest of all to prepare."""
+    borders = [np.frombuffer(border, dtype=np.float64).reshape(-1, 2) for border in (left, right)]
+    return geometry.Corridor(borders[0], borders[1], closed)
 
 
 def polyline(batch: Batch, line: Line) -> geometry.Polyline:

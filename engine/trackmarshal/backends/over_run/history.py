@@ -113,6 +113,9 @@ class History:
     #: What operators without a bound make of the cycles before the first one here, for the elements that were there until then.
     earlier: Earlier = field(default_factory=dict)
     _values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
+    _possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
+        default_factory=dict
+    )
     _known_lives: dict[ir.Axis, list[dict[str, Life | None]]] = field(default_factory=dict)
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
@@ -214,7 +217,15 @@ class History:
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
 
     def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
-        """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle."""
+        """What a machine may be in after cycle k; asked for by each of its states and numbers, it is found out once."""
+        key = machine, k, tuple(sorted(ids.items()))
+        known = self._possible.get(key)
+        if known is None:
+            known = self._possible[key] = self._gone_through(machine, k, ids)
+        return known
+
+    def _gone_through(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
+        """From the first cycle of its life on, cycle by cycle."""
         if self.without(machine, ids, k):
             return unknown(machine)
         members = self._members(machine, ids, k)[0]

@@ -29,9 +29,9 @@ class Box(NamedTuple):
 
     def apart(self, other: Box) -> float:
         """How far two boxes are apart in x or in y, which is no farther than they are; 0 where they overlap."""
-        in_x = max(self.left - other.right, other.left - self.right)
-        in_y = max(self.low - other.high, other.low - self.high)
-        return max(in_x, in_y, 0.0)
+        left, right, low, high = self
+        its_left, its_right, its_low, its_high = other
+        return max(left - its_right, its_left - right, low - its_high, its_low - high, 0.0)
 
     @property
     def size(self) -> float:

@@ -150,7 +150,8 @@ def enters(s: Segment, hull: Sequence[Segment]) -> bool:
 def first_reach(stretches: Sequence[Stretch], corner: Point, origin: Point) -> float:
     """How far a corner is from the stretch of a border that looks nearest: it is no farther from the border."""
     x, y = corner
-    _, looks = min(stretches, key=lambda stretch: stretch[0].apart(Box(x, x, y, y)))
+    at = Box(x, x, y, y)
+    _, looks = min(stretches, key=lambda stretch: stretch[0].apart(at))
     return min(distance(x, y, segment(a, b, origin)) for a, b in looks)
 
 
@@ -160,13 +161,18 @@ def near(
     """The segments of a border, seen from an origin, without those that are surely farther from the hull of corners than is `known`: they do
     not enter it, and have no end in it."""
     box = box_of(corners)
+    x, y = origin
     found = []
     for around, part in stretches:
         limit = surely(known, around.size)
         if around.apart(box) > limit:
             continue
-        wider = box.wider(limit)
-        found += [s for s in (segment(a, b, origin) for a, b in part) if not beyond(s, wider)]
+        left, right, low, high = box.wider(limit)
+        for a, b in part:
+            # `beyond` of the `segment`, written out: most are, and need not be made.
+            ax, ay, bx, by = a[0] - x, a[1] - y, b[0] - x, b[1] - y
+            if not (ax < left > bx or ax > right < bx or ay < low > by or ay > high < by):
+                found.append(Segment(ax, ay, bx, by, b[0] - a[0], b[1] - a[1]))
     return found
 
 
@@ -179,6 +185,8 @@ def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segm
             continue  # farther than another one: so is its start
         close.append((s.ax, s.ay))
         least = min(least, nearest(corners, s))
+    left, right, low, high = around.wider(surely(least, 0.0))
+    close = [(x, y) for x, y in close if left <= x <= right and low <= y <= high]  # no other one is nearer
     from_border = min(nearest(close, edge) for edge in hull)
     return min(least, from_border)
 
