@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 Codes = NDArray[np.uint8]
 Stamps = NDArray[np.int64]
 _NAMES = np.array(VERDICTS)
+_SAFE = np.isin(np.arange(len(VERDICTS)), list(SAFE_CODES))
 #: Cycles that are evaluated together: their numbers stay in the cache next to the core.
 BLOCK = 32768
 
@@ -281,7 +282,7 @@ class WholeRun:
         safe = fine & (not broken) & (not all(rule.advisory for rule in self._evaluator.rules))
         for rule in self._evaluator.rules:
             if not rule.advisory:
-                safe &= np.isin(found[rule.name].codes, list(SAFE_CODES))
+                safe &= _SAFE.take(found[rule.name].codes)
         first, self._count = self._count, self._count + len(stamps)
         return Piece(
             first, {name: found[name].codes for name in self.rules}, {name: found[name].margins for name in self.rules},

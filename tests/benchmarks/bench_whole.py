@@ -17,13 +17,17 @@ BACK = {
     "once[1 s, 600 s] p": f"once[1 s, 600 s] {P}",
     "historically[0 s, 3 s] p": f"historically[0 s, 3 s] {P}",
     "p since[0 s, 3 s] q": f"{P} since[0 s, 3 s] {Q}",
+    "p since[1 s, 600 s] q": f"{P} since[1 s, 600 s] {Q}",
     "rising(p)": f"rising({P})",
     "count(p, last: 3 s) <= 4": f"count({P}, last: 3 s) <= 4",
 }
 AHEAD = {
     "eventually[0 s, 3 s] p": f"eventually[0 s, 3 s] {P}",
     "always[0 s, 3 s] p": f"always[0 s, 3 s] {P}",
+    "always[1 s, 600 s] p": f"always[1 s, 600 s] {P}",
     "p until[0 s, 3 s] q": f"{P} until[0 s, 3 s] {Q}",
+    "q until[0 s, 3 s] p": f"{Q} until[0 s, 3 s] {P}",
+    "q until[1 s, 600 s] p": f"{Q} until[1 s, 600 s] {P}",
 }
 LIMITS = {f"a million cycles: {name}": 0.05 for name in BACK | AHEAD}
 

@@ -78,8 +78,13 @@ class Border:
         self.runs = np.concatenate(runs)
         self.parts = self.runs.reshape(-1, PART)
         self.disc_x, self.disc_y, self.disc_radius = self._discs(self.runs)
-        #: By block, x, y and radius of the discs of its parts.
-        self.part_discs = np.stack(self._discs(self.parts)).reshape(3, len(self.runs), -1)
+        #: x, y and radius of the discs of a block's parts: (3, parts of a block, blocks).
+        discs = np.stack(self._discs(self.parts)).reshape(3, len(self.runs), -1)
+        self.part_discs = np.ascontiguousarray(discs.swapaxes(1, 2))
+        #: The segments of each block, and of each part, one after the other: (segments, blocks or parts).
+        self.run_segments, self.part_segments = (
+            np.ascontiguousarray(of_each.T) for of_each in (self.runs, self.parts)
+        )
 
     def _discs(self, runs: Ints) -> tuple[Floats, Floats, Floats]:
         """Centres and radii of discs around runs of segments."""
@@ -128,44 +133,55 @@ class Border:
         return k, distance
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
+        # Points stand along the last axis, where there are most: numpy goes along it without stopping.
         point, block = self._near_blocks(x, y, 0.0)
         if x.size > FEW_POINTS:
             point, k = self._near_parts(x, y, point, block)
         else:
-            k = self.runs.take(block, axis=0)
-        distance = self.distance(x.take(point)[:, None], y.take(point)[:, None], k)
-        best = np.minimum.reduceat(np.minimum.reduce(distance, axis=1), starts_of(point))
-        places = (distance == best.take(point)[:, None]).ravel().nonzero()[0]
-        if places.size > best.size:
-            places = places[starts_of(point.take(places // k.shape[1]))]
-        return k.ravel().take(places), best
+            k = self.run_segments.take(block, axis=1)
+        distance = self.distance(x.take(point), y.take(point), k)
+        best = _least_of(point, distance, x.size)
+        is_best = distance == best.take(point)
+        row, pair = is_best.nonzero()
+        if pair.size > best.size:  # of equally near ones the first
+            pair, row = np.ascontiguousarray(is_best.T).nonzero()
+            first = starts_of(point.take(pair))
+            pair, row = pair.take(first), row.take(first)
+        assert pair.size == best.size, "each point has a nearest segment"
+        nearest = np.empty(best.size, dtype=np.intp)
+        nearest[point.take(pair)] = k[row, pair]
+        return nearest, best
 
     def _near_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
         """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one."""
-        dx, dy = x[:, None] - self.disc_x, y[:, None] - self.disc_y
+        dx, dy = x - self.disc_x[:, None], y - self.disc_y[:, None]
         dx *= dx
         dy *= dy
         dx += dy
         centre = np.sqrt(dx, out=dx)
-        limit = np.minimum.reduce(centre, axis=1) + (reach + SLACK)
-        centre -= self.disc_radius
-        point, block = (centre <= limit[:, None]).nonzero()
+        limit = np.minimum.reduce(centre, axis=0) + (reach + SLACK)
+        centre -= self.disc_radius[:, None]
+        near = np.empty(centre.shape[::-1], dtype=np.bool_)
+        np.less_equal(centre, limit, out=near.T)
+        point, block = near.nonzero()
         return point, block
 
     def _near_parts(self, x: Floats, y: Floats, point: Ints, block: Ints) -> tuple[Ints, Ints]:
         """Of points and blocks in pairs those of points and parts of blocks where a part may have the nearest segment: which points, and the
-        segments of each part."""
-        px, py, radius = self.part_discs.take(block, axis=1)
-        px -= x.take(point)[:, None]
-        py -= y.take(point)[:, None]
+        segments of each part, (PART, pairs)."""
+        px, py, radius = self.part_discs.take(block, axis=2)
+        px -= x.take(point)
+        py -= y.take(point)
         px *= px
         py *= py
         px += py
         centre = np.sqrt(px, out=px)
-        nearest = np.minimum.reduceat(np.minimum.reduce(centre, axis=1), starts_of(point)) + SLACK
+        nearest = _least_of(point, centre, x.size) + SLACK
         centre -= radius
-        pair, part = (centre <= nearest.take(point)[:, None]).nonzero()
-        return point.take(pair), self.parts.take(block.take(pair) * (BLOCK // PART) + part, axis=0)
+        near = np.empty(centre.shape[::-1], dtype=np.bool_)
+        np.less_equal(centre, nearest.take(point), out=near.T)
+        pair, part = near.nonzero()
+        return point.take(pair), self.part_segments.take(block.take(pair) * (BLOCK // PART) + part, axis=1)
 
     def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:
         point, block = self._near_blocks(x, y, reach)
@@ -190,6 +206,13 @@ class Border:
         corner = np.where(at_start, rx, sx) * nx + np.where(at_start, ry, sy) * ny
         left: Bools = np.where(beside, ex * ry - ey * rx, corner) > 0.0
         return left
+
+
+def _least_of(point: Ints, numbers: Floats, count: int) -> Floats:
+    """Of numbers (n, pairs) the least of each point, (count,)."""
+    least = np.full(count, np.inf)
+    np.minimum.at(least, point, np.minimum.reduce(numbers, axis=0))
+    return least
 
 
 def _distance(

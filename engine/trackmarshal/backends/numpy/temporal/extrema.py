@@ -7,9 +7,12 @@ cover it; n log(window) operations on neighbouring numbers, which is faster than
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
-from trackmarshal.backends.numpy.temporal.blocks import batches, blocks, choose
+from trackmarshal.backends.numpy.temporal.blocks import Block, batches, blocks, choose
 from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Bound, Carrier, Rows
 from trackmarshal.backends.numpy.temporal.windows import BoolArray, FloatArray, Windows
 
@@ -21,10 +24,8 @@ def always(sat: BoolArray, margin: FloatArray, w: Windows) -> Bound:
     all windows that hold it.
     Returns (sat, margin) of the same shape.
     """
-    return (
-        extremum(sat, w, VERDICT, VERDICT.meet, VERDICT.top),
-        extremum(margin, w, MARGIN, MARGIN.meet, MARGIN.top),
-    )
+    found = extrema([(sat, VERDICT), (margin, MARGIN)], w, least=True)
+    return found[0], found[1]
 
 
 def eventually(sat: BoolArray, margin: FloatArray, w: Windows) -> Bound:
@@ -32,32 +33,51 @@ def eventually(sat: BoolArray, margin: FloatArray, w: Windows) -> Bound:
 
     Otherwise as `always`.
     """
-    return (
-        extremum(sat, w, VERDICT, VERDICT.join, VERDICT.bottom),
-        extremum(margin, w, MARGIN, MARGIN.join, MARGIN.bottom),
-    )
+    found = extrema([(sat, VERDICT), (margin, MARGIN)], w, least=False)
+    return found[0], found[1]
 
 
-def extremum(values: Rows, w: Windows, carrier: Carrier, better: np.ufunc, neutral: float | bool) -> Rows:
-    """`better` (minimum, or, ...) over every window of values (..., n); `neutral` over an empty one."""
-    rows = carrier.rows(values, w)
-    result: Rows = np.full(values.shape, neutral, dtype=carrier.dtype)
-    out = carrier.rows(result, w)
+def extrema(given: Sequence[tuple[Rows, Carrier]], w: Windows, *, least: bool) -> list[Rows]:
+    """The meet or the join over every window of values (..., n) of some carriers; neutral over an empty one. Windows are cut into blocks once for all."""
+    found: list[Rows] = []
+    sides: list[_Side] = []
+    for values, carrier in given:
+        better, neutral = (carrier.meet, carrier.top) if least else (carrier.join, carrier.bottom)
+        result: Rows = np.full(values.shape, neutral, dtype=carrier.dtype)
+        found.append(result)
+        sides.append(_Side(carrier.rows(values, w), carrier.rows(result, w), carrier, better, neutral))
     if w.unbounded:
-        _to_the_end(rows, out, w, carrier, better)
-        return result
+        for side in sides:
+            _to_the_end(side.rows, side.out, w, side.carrier, side.better)
+        return found
     for block in blocks(w):
-        for batch in batches(len(rows), block.high - block.low):
-            spans = carrier.fetch(rows[batch], block.low, block.high, neutral)
-            level = 0
-            for pick in block.picks:
-                while level < pick.level:
-                    step = 1 << level
-                    better(spans[:, :-step], spans[:, step:], out=spans[:, :-step])
-                    level += 1
-                found = better(choose(spans, pick.left), choose(spans, pick.right))
-                out[batch, block.first : block.last][:, pick.into] = found
-    return result
+        for side in sides:
+            _of_block(block, side)
+    return found
+
+
+class _Side(NamedTuple):
+    """Values in the windows' direction, where what comes of them goes, and how."""
+
+    rows: Rows
+    out: Rows
+    carrier: Carrier
+    better: np.ufunc
+    neutral: float | bool
+
+
+def _of_block(block: Block, side: _Side) -> None:
+    rows, out, carrier, better, neutral = side
+    for batch in batches(len(rows), block.high - block.low):
+        spans = carrier.fetch(rows[batch], block.low, block.high, neutral)
+        level = 0
+        for pick in block.picks:
+            while level < pick.level:
+                step = 1 << level
+                better(spans[:, :-step], spans[:, step:], out=spans[:, :-step])
+                level += 1
+            found = better(choose(spans, pick.left), choose(spans, pick.right))
+            out[batch, block.first : block.last][:, pick.into] = found
 
 
 def _to_the_end(rows: Rows, out: Rows, w: Windows, carrier: Carrier, better: np.ufunc) -> None:

@@ -7,11 +7,14 @@ and they may overlap: what the later one says of a q in both is no more than wha
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
-from trackmarshal.backends.numpy.temporal.blocks import batches, blocks, choose, cuts
+from trackmarshal.backends.numpy.temporal.blocks import Block, batches, blocks, choose, cuts
 from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Bound, Carrier, Rows
-from trackmarshal.backends.numpy.temporal.extrema import extremum, from_begin
+from trackmarshal.backends.numpy.temporal.extrema import extrema, from_begin
 from trackmarshal.backends.numpy.temporal.windows import BoolArray, FloatArray, Windows
 
 
@@ -25,7 +28,8 @@ def until(
     """
     if w.past:
         raise ValueError("`until` looks ahead: its windows are not past")
-    return _held(p_sat, q_sat, w, VERDICT), _held(p_margin, q_margin, w, MARGIN)
+    found = held([(p_sat, q_sat, VERDICT), (p_margin, q_margin, MARGIN)], w)
+    return found[0], found[1]
 
 
 def since(
@@ -34,38 +38,57 @@ def since(
     """max over the samples j of k's window of min(q[j], min of p over j+1..k): `until` back."""
     if not w.past:
         raise ValueError("`since` looks back: its windows are past")
-    return _held(p_sat, q_sat, w, VERDICT), _held(p_margin, q_margin, w, MARGIN)
+    found = held([(p_sat, q_sat, VERDICT), (p_margin, q_margin, MARGIN)], w)
+    return found[0], found[1]
 
 
-def _held(p: Rows, q: Rows, w: Windows, carrier: Carrier) -> Rows:
-    """`p until q` in the windows' direction."""
-    p, q = np.broadcast_arrays(p, q)
-    result: Rows = np.full(p.shape, carrier.bottom, dtype=carrier.dtype)
-    held, goal, out = carrier.rows(p, w), carrier.rows(q, w), carrier.rows(result, w)
+def held(given: Sequence[tuple[Rows, Rows, Carrier]], w: Windows) -> list[Rows]:
+    """`p until q` in the windows' direction, of some carriers' p and q. Windows are cut into blocks once for all."""
+    found: list[Rows] = []
+    sides: list[_Side] = []
+    for one, other, carrier in given:
+        p, q = np.broadcast_arrays(one, other)
+        result: Rows = np.full(p.shape, carrier.bottom, dtype=carrier.dtype)
+        found.append(result)
+        sides.append(_Side(carrier.rows(p, w), carrier.rows(q, w), carrier.rows(result, w), carrier))
     if w.unbounded:
-        from_begin(_to_the_end(held, goal, carrier), out, w)
+        for p, q, out, carrier in sides:
+            from_begin(_to_the_end(p, q, carrier), out, w)
     else:
-        _windowed(held, goal, out, w, carrier)
+        for block in blocks(w):
+            for side in sides:
+                _of_block(block, side)
     if not (isinstance(w.begin, int) and w.begin == 0):
-        carrier.meet(result, extremum(p, w.lead(), carrier, carrier.meet, carrier.top), out=result)
-    return result
+        leads = extrema(
+            [(np.broadcast_arrays(p, q)[0], carrier) for p, q, carrier in given], w.lead(), least=True
+        )
+        for result, lead, (_, _, carrier) in zip(found, leads, given):
+            carrier.meet(result, lead, out=result)
+    return found
 
 
-def _windowed(p: Rows, q: Rows, out: Rows, w: Windows, carrier: Carrier) -> None:
-    """Write `p until q` inside every window, counted from its begin."""
-    for block in blocks(w):
-        for batch in batches(len(p), block.high - block.low):
-            spans = carrier.fetch(q[batch], block.low, block.high, carrier.bottom)
-            holds = carrier.fetch(p[batch], block.low, block.high, carrier.top)
-            level = 0
-            for pick in block.picks:
-                while level < pick.level:
-                    _double(spans, holds, 1 << level, carrier)
-                    level += 1
-                later = carrier.meet(choose(holds, pick.left), choose(spans, pick.right))
-                out[batch, block.first : block.last][:, pick.into] = carrier.join(
-                    choose(spans, pick.left), later
-                )
+class _Side(NamedTuple):
+    """p and q in the windows' direction, and where what comes of them goes."""
+
+    p: Rows
+    q: Rows
+    out: Rows
+    carrier: Carrier
+
+
+def _of_block(block: Block, side: _Side) -> None:
+    """Write `p until q` inside the windows of a block, counted from their begins."""
+    p, q, out, carrier = side
+    for batch in batches(len(p), block.high - block.low):
+        spans = carrier.fetch(q[batch], block.low, block.high, carrier.bottom)
+        holds = carrier.fetch(p[batch], block.low, block.high, carrier.top)
+        level = 0
+        for pick in block.picks:
+            while level < pick.level:
+                _double(spans, holds, 1 << level, carrier)
+                level += 1
+            later = carrier.meet(choose(holds, pick.left), choose(spans, pick.right))
+            out[batch, block.first : block.last][:, pick.into] = carrier.join(choose(spans, pick.left), later)
 
 
 def _to_the_end(p: Rows, q: Rows, carrier: Carrier) -> Rows:

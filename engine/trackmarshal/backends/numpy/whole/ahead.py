@@ -20,7 +20,7 @@ from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
-from trackmarshal.backends.numpy.whole.values import Pair, pairs
+from trackmarshal.backends.numpy.whole.values import Floats, Pair, pairs
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import UNDEFINED
 
@@ -158,7 +158,7 @@ class Looking:
             edge = edge_of(stamps, until, "left")
             return edge_at(edge, 0, count, count).copy()
         # The windows of operators end behind the last cycle that is not after it.
-        end = edge_at(self._elements.ahead(0, reach).end, 0, count, count)
+        end = edge_at(self._elements.reached(reach), 0, count, count)
         found: Indices = end - (stamps.take(end - 1) == until)
         return found
 
@@ -187,41 +187,82 @@ class Looking:
             case ir.Guarded():
                 return values.guarded(self.value(node.guard, about, now), self.value(node.body, about, now))
             case ir.OverRun():
-                open_ = now < self._closed(node).take(about)
-                if not open_.any():
+                open_ = np.flatnonzero(now < self._closed(node).take(about))
+                if not len(open_):
                     return values.taken(self._in_whole(node), about)
-                if open_.all():
+                if len(open_) == len(about):
                     return self._so_far(node, about, now)
                 found = values.taken(self._in_whole(node), about)
-                return values.put(found, open_, self._so_far(node, about[open_], now[open_]))
+                return values.put(found, open_, self._so_far(node, about.take(open_), now.take(open_)))
             case _:
                 raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
 
+    def decided(self, node: ir.Formula, about: Indices, now: Indices) -> Value:
+        """The values of a whole formula about some cycles, in which cycle it is decided. Of a side that has no say in that it may be anything that decides the same."""
+        if not (isinstance(node, ir.OverRun) and node.op == "until"):
+            return self.value(node, about, now)
+        times = self.times(node)
+        true, false = (np.flatnonzero(each.take(about) == now) for each in (times.true, times.false))
+        sat, margin = np.zeros(len(about), dtype=bool), np.zeros(len(about))
+        sat[true], margin[true] = True, self._reached(node, about.take(true), now.take(true))
+        margin[false] = self._broken(node, about.take(false), now.take(false))
+        side = sat, margin
+        found = values.of(side, side)
+        if len(true) + len(false) == len(about):
+            return found
+        rest = np.flatnonzero((times.true.take(about) != now) & (times.false.take(about) != now))
+        return values.put(found, rest, self.value(node, about.take(rest), now.take(rest)))
+
+    def _reached(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
+        """The margins of `until` where its goal is reached now. No goal in the window before says more: their margins are not above zero, and all others
+        here not below."""
+        held, goal = (self._operand(operand)[0][1] for operand in node.operands)
+        first, last = self._at.take(about), self._at.take(now)
+        found: Floats = np.minimum(goal.take(last), Spans(held, None, MARGIN).all(Levels(first, last)))
+        return found
+
+    def _broken(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
+        """The margins of `until` where now what had to hold does not, or the window is closed. What held before takes nothing from goals: the margin of
+        none is above zero."""
+        held, goal = (self._operand(operand)[1][1] for operand in node.operands)
+        windows, first, last = self._windows(node), self._at.take(about), self._at.take(now)
+        n = windows.n
+        end = np.minimum(edge_at(windows.end, 0, n, n).take(first), last + 1)
+        begin = np.minimum(edge_at(windows.begin, 0, n, n).take(first), end)
+        found = Spans(None, goal, MARGIN).until(Levels(begin, end))
+        open_ = np.flatnonzero(now < self._closed(node).take(about))
+        found[open_] = np.maximum(found.take(open_), held.take(last.take(open_)))
+        return found
+
     def _in_whole(self, node: ir.OverRun) -> Value:
-        """(cycles,): the values of an operator once its windows are closed."""
+        """(cycles,): the values of an operator once its windows are closed; of others anything."""
         known = self._whole.get(node)
         if known is None:
-            given = [self._operand(operand) for operand in node.operands]
-            worst = self._side(node, [each[0] for each in given])
-            single = all(low is best for low, best in given)
-            known = values.of(worst, worst if single else self._side(node, [each[1] for each in given]))
+            # Whether it holds is known: a closed window that has not surely decided it otherwise.
+            times, given = self.times(node), [self._operand(operand) for operand in node.operands]
+            worst = times.true != NEVER, self._margins(node, [low[1] for low, _ in given])
+            known = values.of(worst, worst)
+            if not all(low is best for low, best in given):
+                best = times.false == NEVER, self._margins(node, [best[1] for _, best in given])
+                known = values.of(worst, best)
             self._whole[node] = known
         return known
 
-    def _side(self, node: ir.OverRun, given: list[Pair]) -> Pair:
-        cycles = self._elements.of_cycles
+    def _margins(self, node: ir.OverRun, given: list[Floats]) -> Floats:
+        """(cycles,): the margins of whole windows, given those of the operands."""
         match node.op:
             case "next":
-                sat, margin = temporal.shift(*given[0], 1, node.weak)
-            case "eventually":
-                sat, margin = temporal.eventually(*given[0], self._windows(node))
-            case "always":
-                sat, margin = temporal.always(*given[0], self._windows(node))
+                found = temporal.shift(given[0] >= 0.0, given[0], 1, node.weak)[1]
+            case "eventually" | "always":
+                found = temporal.extrema(
+                    [(given[0], MARGIN)], self._windows(node), least=node.op == "always"
+                )[0]
             case "until":
-                sat, margin = temporal.until(*given[0], *given[1], self._windows(node))
+                found = temporal.held([(given[0], given[1], MARGIN)], self._windows(node))[0]
             case _:
                 raise AssertionError(f"`{node.op}` does not look ahead")
-        return cycles(sat), cycles(margin)
+        margins: Floats = self._elements.of_cycles(found)
+        return margins
 
     def _so_far(self, node: ir.OverRun, about: Indices, now: Indices) -> Value:
         """The values of an operator while its windows are open: whatever comes may still be in them."""

@@ -40,6 +40,10 @@ class Elements:
         return np.flatnonzero(self.missed == 0) if self.missed.any() else None
 
     @cached_property
+    def _ends(self) -> dict[tuple[int, bool], Edge]:
+        return {}
+
+    @cached_property
     def _windows(self) -> dict[tuple[int, int | None, bool], Windows]:
         return {}
 
@@ -69,24 +73,36 @@ class Elements:
         """The windows of what lies between so long and so long after each element."""
         return self._of(lower, upper, False)
 
-    def _of(self, lower: int, upper: int | None, past: bool) -> Windows:
-        """A window into the past is one into the future of what is mirrored in time: see `temporal.windows`."""
-        known = self._windows.get((lower, upper, past))
+    def reached(self, upper: int, past: bool = False) -> Edge:
+        """The end of the windows of what lies up to so long after each element, wherever they begin."""
+        known = self._ends.get((upper, past))
         if known is None:
-            first, last = (-self.last[::-1], -self.first[::-1]) if past else (self.first, self.last)
-            known = self._windows[lower, upper, past] = _made(first, last, lower, upper, past)
+            first, last = self._directed(past)
+            known = self._ends[upper, past] = edge_of(first, last + upper, "right")
         return known
 
+    def _directed(self, past: bool) -> tuple[Stamps, Stamps]:
+        """A window into the past is one into the future of what is mirrored in time: see `temporal.windows`."""
+        return (-self.last[::-1], -self.first[::-1]) if past else (self.first, self.last)
 
-def _made(first: Stamps, last: Stamps, lower: int, upper: int | None, past: bool) -> Windows:
-    n = len(first)
-    begin: Edge = 0 if lower == 0 else edge_of(last, last + lower, "left")
-    end: Edge = n if upper is None else edge_of(first, last + upper, "right")
-    if isinstance(begin, int) and isinstance(end, int):
-        longest = max(min(end - begin, n), 0)
-    else:
-        longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-    return Windows(n, past, begin, end, longest)
+    def _of(self, lower: int, upper: int | None, past: bool) -> Windows:
+        known = self._windows.get((lower, upper, past))
+        if known is None:
+            known = self._windows[lower, upper, past] = self._made(lower, upper, past)
+        return known
+
+    def _made(self, lower: int, upper: int | None, past: bool) -> Windows:
+        n = len(self)
+        end: Edge = n if upper is None else self.reached(upper, past)
+        begin: Edge = 0
+        if lower:
+            last = self._directed(past)[1]
+            begin = edge_of(last, last + lower, "left")
+        if isinstance(begin, int) and isinstance(end, int):
+            longest = max(min(end - begin, n), 0)
+        else:
+            longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
+        return Windows(n, past, begin, end, longest)
 
 
 def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:

@@ -101,7 +101,8 @@ class Ahead:
             return None
         looked = self._looked(self._kept, True)
         about = np.flatnonzero(self._kept.pending)
-        codes, margins = self._said(looked, about, looked.final[about])
+        value = looked.looking.value(self._formula, about, looked.final[about])
+        codes, margins = self._said(looked, about, value)
         turn = np.roll(np.arange(len(about)), 1)  # the last cycle is the one in which it is said
         cycle, true = np.full(len(about), count), np.ones(len(about), dtype=bool)
         return Saying(cycle, self._kept.names[about[turn]], codes[turn], margins[turn], true)
@@ -113,7 +114,8 @@ class Ahead:
             begin, final = len(looked.first) - len(own.stamps), looked.final
             here, later = self._decided(looked, begin)
             closing = np.flatnonzero(looked.kept.pending & (final < NEVER) & (final > looked.first))
-            closed = self._said(looked, closing, final[closing])
+            value = looked.looking.value(self._formula, closing, final[closing])
+            closed = self._said(looked, closing, value)
         mine = np.arange(begin, len(looked.first))
         return _ordered(
             looked.kept.names,
@@ -140,20 +142,16 @@ class Ahead:
     def _decided(self, looked: _Looked, begin: int) -> tuple[_Decided, _Decided]:
         """What is decided in a piece that begins at a place: in the very cycle that it is about, and later. What was decided before is not said again, until it is final."""
         first = looked.first
-        decided = (first < NEVER) & (first >= begin) & looked.kept.pending
-        about = np.flatnonzero(decided)
-        now = first[about]
-        codes, margins = self._said(looked, about, now)
+        about = np.flatnonzero((first < NEVER) & (first >= begin) & looked.kept.pending)
+        now = first.take(about)
+        decided = self._said(looked, about, looked.looking.decided(self._formula, about, now))
         here = now == about
-        later = ~here
-        return (
-            _Decided(about[here], about[here], codes[here], margins[here]),
-            _Decided(about[later], now[later], codes[later], margins[later]),
-        )
+        return _chosen((about, now, *decided), here), _chosen((about, now, *decided), ~here)
 
-    def _said(self, looked: _Looked, about: Indices, now: Indices) -> tuple[Codes, Floats]:
-        value, known = looked.looking.value(self._formula, about, now), looked.kept.values
-        return at_once(value, None if self._active is None else values.taken(known[self._active], about))
+    def _said(self, looked: _Looked, about: Indices, value: Value) -> tuple[Codes, Floats]:
+        """What a value of the formula about some cycles is to the rule."""
+        active = self._active
+        return at_once(value, None if active is None else values.taken(looked.kept.values[active], about))
 
     def _keep(self, whole: _Kept, pending: Bools) -> None:
         """Forget all before the oldest cycle that is open."""
@@ -171,6 +169,12 @@ class Ahead:
             known,
             pending[old:].copy(),
         )
+
+
+def _chosen(decided: tuple[Any, ...], where: Bools) -> _Decided:
+    """Some of what is decided. By place, as it goes by turns: where a mask changes with every other cycle it takes many times as long."""
+    places = np.flatnonzero(where)
+    return _Decided(*(array.take(places) for array in decided))
 
 
 def _of_own(here: _Decided, begin: int, count: int) -> tuple[Codes, Floats]:

@@ -121,36 +121,16 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
 def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
     """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst.
     What `own` is made of becomes it."""
-    for code in np.flatnonzero(np.bincount(codes)):
-        chosen = codes == code
-        if chosen.all():
-            at, least = _least(place, margins)
-        else:
-            at, least = _least(place[chosen], margins[chosen])
-        mine = own[0].take(at)
-        least = np.where(mine == code, np.minimum(own[1].take(at), least), least)
-        worse = BADNESS.take(mine) >= BADNESS[code]
-        if not worse.all():
-            at, least = at[worse], least[worse]
-        own[0][at], own[1][at] = code, least
+    for code, bad in enumerate(BADNESS):
+        chosen = np.flatnonzero(codes == code)
+        if not len(chosen):
+            continue
+        at = place.take(chosen)
+        mine = BADNESS.take(own[0].take(at))
+        better = at.take(np.flatnonzero(mine > bad))
+        own[0][better], own[1][better] = code, np.inf
+        # Margins that are none stay so: of one verdict all or none are.
+        said = np.flatnonzero(mine >= bad)
+        with np.errstate(invalid="ignore"):
+            np.minimum.at(own[1], at.take(said), margins.take(chosen.take(said)))
     return own
-
-
-def _least(place: Indices, margins: Floats) -> tuple[Indices, Floats]:
-    """Of margins at places the least at each: the places ascend. Those that are none stay so: of one verdict all or none are."""
-    if (place[1:] > place[:-1]).all():
-        return place, margins
-    if (place[1:] < place[:-1]).any():
-        order = np.argsort(place, kind="stable")
-        place, margins = place[order], margins[order]
-    first = np.flatnonzero(np.concatenate(([True], place[1:] != place[:-1])))
-    end = np.append(first[1:], len(place))
-    count, found = end - first, margins.take(first)
-    # Mostly there is one at a place, or two: what more there are is gone through.
-    several = np.flatnonzero(count > 1)
-    found[several] = np.minimum(found[several], margins[first[several] + 1])
-    many = several[count[several] > 2]
-    if len(many):
-        bounds = np.stack((first[many], end[many]), axis=1).ravel()
-        found[many] = np.minimum.reduceat(margins, bounds[:-1] if bounds[-1] == len(place) else bounds)[::2]
-    return place.take(first), found

@@ -14,14 +14,12 @@ class Levels:
     def __init__(self, begin: Indices, end: Indices) -> None:
         self.count = len(begin)
         length = end - begin
-        single, longer = np.flatnonzero(length == 1), np.flatnonzero(length > 1)
-        levels = np.frexp(length[longer].astype(np.float64))[1] - 1
-        chosen = [(level, longer[levels == level]) for level in np.flatnonzero(np.bincount(levels)).tolist()]
-        self.levels: list[tuple[int, Indices, Indices, Indices]] = [
-            (level, places, begin[places], end[places] - (1 << level))
-            for level, places in [(0, single), *chosen]
-            if len(places)
-        ]
+        #: Each level, its spans, and where the two begin.
+        self.levels: list[tuple[int, Indices, Indices, Indices]] = []
+        for level in range(int(length.max(initial=0)).bit_length()):
+            chosen = np.flatnonzero(length >> level == 1)
+            if len(chosen):
+                self.levels.append((level, chosen, begin.take(chosen), end.take(chosen) - (1 << level)))
 
 
 class Spans:
@@ -35,15 +33,15 @@ class Spans:
         self._held, self._goal = [held], [goal]
 
     def _longer(self, level: int) -> tuple[Rows | None, Rows | None]:
-        """p and q over the spans of two to the power of a level."""
+        """p and q over the spans of two to the power of a level, from each element from which there is one."""
         carrier = self.carrier
         while len(self._held) <= level:
             step = 1 << len(self._held) - 1
             held, goal = self._held[-1], self._goal[-1]
-            self._held.append(None if held is None else _put(held, carrier.meet(held[:-step], held[step:])))
+            self._held.append(None if held is None else carrier.meet(held[:-step], held[step:]))
             if goal is not None:
                 later = goal[step:] if held is None else carrier.meet(held[:-step], goal[step:])
-                goal = _put(goal, carrier.join(goal[:-step], later))
+                goal = carrier.join(goal[:-step], later)
             self._goal.append(goal)
         return self._held[level], self._goal[level]
 
@@ -53,7 +51,7 @@ class Spans:
         for level, chosen, left, right in spans.levels:
             held, _ = self._longer(level)
             assert held is not None, "nothing has to hold here"
-            found[chosen] = self.carrier.meet(held[left], held[right]) if level else held[left]
+            found[chosen] = self.carrier.meet(held.take(left), held.take(right)) if level else held.take(left)
         return found
 
     def until(self, spans: Levels) -> Rows:
@@ -63,15 +61,10 @@ class Spans:
             held, goal = self._longer(level)
             assert goal is not None, "nothing is asked for here"
             if not level:  # one element, on which nothing has to hold before the goal
-                found[chosen] = goal[left]
+                found[chosen] = goal.take(left)
                 continue
-            later = goal[right] if held is None else self.carrier.meet(held[left], goal[right])
-            found[chosen] = self.carrier.join(goal[left], later)
+            later = goal.take(right)
+            if held is not None:
+                later = self.carrier.meet(held.take(left), later)
+            found[chosen] = self.carrier.join(goal.take(left), later)
         return found
-
-
-def _put(into: Rows, first: Rows) -> Rows:
-    """A copy with other values at the beginning."""
-    made = into.copy()
-    made[: len(first)] = first
-    return made
