@@ -34,6 +34,7 @@ rule stays_dry "" require always[0.05 s, 0.25 s] ego.y < 0.2 m
 rule each_stays "" for all o in objects require always[0.05 s, 0.25 s] o.v < 26 m/s
 rule two_once "" for all a in objects for all b in objects where a.x < b.x require not once[0.05 s, 0.25 s] a.v + b.v > 51 m/s
 rule two_just "" for all a in objects for all b in objects where a.x < b.x require weak previous a.v + b.v < 51 m/s
+rule two_stay "" for all a in objects for all b in objects where a.x < b.x require always[0.05 s, 0.25 s] a.v + b.v < 51 m/s
 rule both_once "" for all o in objects for all c in obstacles require not once[0.05 s, 0.25 s] (o.v > 26 m/s and c.x > o.x)
 course lived = ego for 0.3 s then plan
 rule lived_dry "" along lived as c require historically[0.05 s, 0.25 s] c.y < 0.2 m
@@ -133,7 +134,7 @@ def test_rules_are_violated_because_of_what_was() -> None:
         for rule, code in enumerate(plain().rules)
         if VIOLATED not in {each[rule] for _, each, _ in whole()}
     ]
-    assert count == 13
+    assert count == 14
     assert never == []
     assert [safe for safe, _, _ in whole()][2:4] == [True] * 2  # nothing can have held for so long before
 
