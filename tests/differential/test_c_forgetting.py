@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from differential.test_c_over_run import _SETTINGS, OTHERS, said
 from property.test_forgetting import KEPT, LASTING, rule
+from support import run_pairs
 from support.length import amount
 from support.run_formulas import formulas, runs
 from support.start import STRICT
@@ -46,6 +47,93 @@ def test_all_three_agree(lasting: str, drawn: list[str], several: list[list[dict
     for cycles in several:
         found = said(evaluators, cycles)
         assert found["c"] == found["reference"] == found["numpy"], text
+
+
+@given(
+    run_pairs.LASTING,
+    run_pairs.LASTING,
+    st.sampled_from([run_pairs.SETS, run_pairs.SETS[::-1], ("objects", "objects")]),
+    st.lists(run_pairs.paired(False), min_size=8, max_size=8),
+    st.lists(run_pairs.runs(), min_size=20, max_size=20),
+)
+@_SETTINGS
+def test_pairs_of_elements(
+    first: str,
+    second: str,
+    sets: tuple[str, str],
+    drawn: list[str],
+    several: list[list[dict[str, Any] | None]],
+) -> None:
+    """Pairs of which one element may be absent, or both, or none."""
+    text = run_pairs.signals(first, second) + run_pairs.rules(drawn, sets)
+    evaluators = {name: Evaluator(loads(text), backend=name) for name in (*OTHERS, "c")}
+    for cycles in several:
+        found = said(evaluators, cycles)
+        assert found["c"] == found["reference"] == found["numpy"], text
+
+
+#: Of pairs of cars, of cars and people, who may be absent too, and of cars and lights, which may not.
+PAIRS = """module m
+event flag
+signal cars : set of object { v: m/s } capacity 4 forget 0.3 s
+signal people : set of object { v: m/s } capacity 3 forget 0.6 s
+signal lights : set of object { v: m/s }
+rule a "" for all c in cars for all d in cars require once[0 s, 1 s] c.v > d.v + 1 m/s
+rule b "" for all c in cars for all p in people require historically[0.2 s, 2 s] c.v > p.v - 3 m/s
+rule c "" for all l in lights for all c in cars require c.v > -1.9 m/s since[0.1 s, 1 s] c.v > l.v
+rule d "" for all p in people for all c in cars require count(c.v > p.v, last: 0.8 s) <= 3
+rule e "" for all c in cars for all l in lights require count(c.v > l.v, reset: l.v > 1.8 m/s) <= 5
+rule f "" for all c in cars for all d in cars where d.v > 0 m/s require not rising(c.v > d.v)
+rule g "" for all p in people for all l in lights require p.v > -1.8 m/s since p.v > l.v
+rule h "" for all l in lights for all o in lights require once (l.v > o.v)
+state m : { p, q } for each c in cars starts p
+  becomes q when c.v > 1.5 m/s
+    remember took = c.v
+  becomes p when c.v < -1.5 m/s
+rule i "" for all c in cars for all d in cars require once[0 s, 0.4 s] (m(c) is p and m(d) is q or m(c).took > d.v + 2 m/s)
+"""
+
+
+def scarce(dice: random.Random, many: int) -> list[dict[str, Any] | None]:
+    """Cycles of three sets whose elements come and go, of some more than there are places for."""
+    t, cycles = 0.0, list[dict[str, Any] | None]()
+    sets = {"cars": ("abcdef", 4), "people": ("abcd", 3), "lights": ("abc", 3)}
+    away: dict[tuple[str, str], float] = {}
+    for number in range(many):
+        t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.1, 0.4]), 9)
+        signals: dict[str, Any] = {"flag": dice.random() < 0.3}
+        for name, (names, most) in sets.items():
+            for one in names:
+                if (name, one) not in away and dice.random() < 0.12:
+                    away[name, one] = t + dice.choice([0.05, 0.2, 0.5, 1.5])
+                elif away.get((name, one), t) < t:
+                    del away[name, one]
+            there = [one for one in names if (name, one) not in away]
+            dice.shuffle(there)
+            signals[name] = {"id": there[:most], "v": [dice.uniform(-2, 2) for _ in there[:most]]}
+        cycles.append(None if dice.random() < 0.04 else {"id": number, "t": t, "signals": signals})
+    return cycles
+
+
+def test_long_runs_of_pairs_saved_in_between() -> None:
+    """Pairs come apart and meet again, with some that find no place; saved and restored, C goes on as if it had not stopped."""
+    spec, dice = loads(PAIRS), random.Random(5)
+    cycles = scarce(dice, amount(200, 2000))
+    evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
+    found = said(evaluators, cycles)
+    assert found["c"] == found["numpy"]
+    for name in "abcdefghi":
+        assert len({each[name][0] for each in found["c"][:-1]}) >= 3, name
+    run, every = evaluators["c"].over_run(), list[Any]()
+    for cycle in cycles:
+        if dice.random() < 0.1:
+            run = evaluators["c"].over_run(json.loads(json.dumps(run.save())))
+        if cycle is None:
+            run.missed()
+        else:
+            rules = run.step(evaluators["c"].read(cycle)).rules
+            every.append({name: one.verdict for name, one in rules.items()})
+    assert every == [{name: one[0] for name, one in each.items()} for each in found["c"][:-1]]
 
 
 def test_long_runs_in_which_places_are_scarce() -> None:

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
 from property.test_states import ASKED, Way, declared, guarded
+from support import run_pairs
 from support.length import AT_LENGTH, amount
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.backends.c.program import CProgram
@@ -84,6 +85,24 @@ def test_all_three_agree(
     text = spec_of(drawn) + "".join(f'rule g{number} "x"\n  {one}\n' for number, one in enumerate(clauses))
     spec = loads(text)
     evaluators = {name: Evaluator(spec, backend=name) for name in (*OTHERS, "c")}
+    for cycles in several:
+        found = said(evaluators, cycles)
+        assert found["c"] == found["reference"] == found["numpy"], text
+
+
+@given(
+    st.sampled_from(["", " capacity 3", " capacity 5"]),
+    st.sampled_from([run_pairs.SETS, ("objects", "objects")]),
+    st.lists(run_pairs.paired(), min_size=RULES // 2, max_size=RULES // 2),
+    st.lists(run_pairs.runs(), min_size=8, max_size=8),
+)
+@_SETTINGS
+def test_pairs_of_elements(
+    capacity: str, sets: tuple[str, str], drawn: list[str], several: list[list[dict[str, Any] | None]]
+) -> None:
+    """What has a history for each pair, of two sets or of one twice."""
+    text = run_pairs.signals(capacity, capacity) + run_pairs.rules(drawn, sets)
+    evaluators = {name: Evaluator(loads(text), backend=name) for name in (*OTHERS, "c")}
     for cycles in several:
         found = said(evaluators, cycles)
         assert found["c"] == found["reference"] == found["numpy"], text
@@ -169,6 +188,41 @@ def test_memory_has_a_bound() -> None:
     assert Evaluator(spec, backend="auto").program.identity["backend"] == "numpy"
 
 
+def test_memory_of_pairs_has_a_bound() -> None:
+    """There is one for each place of both sets: as many as fit, or none."""
+    for capacity, window, fits in (
+        (32, "", True),
+        (32, "[0 s, 60 s]", True),
+        (32, "[0 s, 3 h]", False),
+        (1000, "", False),
+    ):
+        spec = loads(
+            f"module m\nsignal objects : set of object {{ v: m/s }} capacity {capacity}\n"
+            f'rule f "" for all o in objects for all b in objects require once{window} o.v > b.v\n'
+        )
+        if fits:
+            library = CProgram(spec, spec.rules).library_for()
+            assert library.dll.tmg_size() < 300 << 20
+            assert Evaluator(spec, backend="auto").program.identity["backend"] == "c"
+            continue
+        with pytest.raises(TrackmarshalError) as caught:
+            CProgram(spec, spec.rules).library_for()
+        assert caught.value.code == "E473"
+        assert Evaluator(spec, backend="auto").program.identity["backend"] == "numpy"
+
+
+@pytest.mark.parametrize("operator", ["once", "next"])
+def test_what_is_about_three_elements_is_refused(operator: str) -> None:
+    spec = loads(
+        f'{SIGNALS}rule f "" for all o in objects for all b in objects for all p in objects '
+        f"require {operator} (o.v > b.v or p.v > b.v)\n"
+    )
+    with pytest.raises(TrackmarshalError) as caught:
+        CProgram(spec, spec.rules)
+    assert (caught.value.code, caught.value.line) == ("E470", 6)
+    assert "not for each 3 of them" in str(caught.value)
+
+
 @pytest.mark.parametrize(
     "body",
     [
@@ -203,6 +257,7 @@ def test_rules_by_themselves_are_saved_in_the_middle() -> None:
         SIGNALS
         + 'rule a "" require always[0 s, 0.5 s] ego.v > -1.5 m/s\nrule b "" require once[0 s, 0.4 s] flag\n'
         'rule c "" for all o in objects require eventually[0 s, 0.3 s] o.v > 0 m/s\nrule d "" require count(flag) <= 5\n'
+        'rule e "" for all o in objects for all b in objects require not once[0.1 s, 0.6 s] o.v > b.v + 1.5 m/s\n'
     )
     evaluator, dice = Evaluator(spec, backend="c"), random.Random(11)
     cycles = list[dict[str, Any] | None]()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from support.pairs import Pair, generated
-from support.remembering import NAMES, remembering
+from support.remembering import NAMES, NAMES_OF_PAIRS, remembering
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator
 
@@ -22,8 +22,8 @@ PARTS = 4
 
 
 @cache
-def evaluator(folder: Path) -> Evaluator:
-    return Evaluator(remembering(folder))
+def evaluator(folder: Path, pairs: bool = False) -> Evaluator:
+    return Evaluator(remembering(folder / str(pairs), pairs))
 
 
 @pytest.fixture(scope="module")
@@ -31,12 +31,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("specs")
 
 
+@pytest.mark.parametrize("pairs", [False, True], ids=["elements", "pairs"])
 @pytest.mark.parametrize("part", range(PARTS))
-def test_generated_runs(part: int, folder: Path) -> None:
-    """TRACKMARSHAL_RUNS=10*N makes N runs of 50 cycles with faults of every kind."""
+def test_generated_runs(part: int, pairs: bool, folder: Path) -> None:
+    """TRACKMARSHAL_RUNS=10*N makes N runs of 50 cycles with faults of every kind; pairs: with rules of pairs of elements, too."""
+    names = NAMES + NAMES_OF_PAIRS * pairs
     verdicts, driven = Counter[tuple[str, str]](), Counter[str]()
     for seed in range(part, RUNS, PARTS):
-        pair = Pair(evaluator(folder))
+        pair = Pair(evaluator(folder, pairs))
         for given, readings in generated(seed):
             try:
                 decision = pair.step(given, *readings)
@@ -44,10 +46,10 @@ def test_generated_runs(part: int, folder: Path) -> None:
                 raise AssertionError(f"run {seed}, {given!r:.300}") from error
             driven[decision.driven.candidate if decision.driven is not None else "nothing"] += 1
             if decision.judged is not None:
-                for name in NAMES:
+                for name in names:
                     number = next(i for i, rule in enumerate(pair.c.rules) if rule.name == name)
                     for rated in decision.judged.rated.values():
                         verdicts[name, rated.explain(number, False).verdict] += 1
     assert min(driven[name] for name in ("driving", "emergency", "nothing")) > 0
     assert {name for name, verdict in verdicts if verdict == "undefined"}
-    assert {name for name, _ in verdicts} == set(NAMES)
+    assert {name for name, _ in verdicts} == set(names)

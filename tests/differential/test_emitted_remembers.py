@@ -41,7 +41,7 @@ def cycles(count: int) -> list[Cycle | None]:
 
 
 def test_a_process_remembers(tmp_path: Path) -> None:
-    spec, now, limits = remembering(tmp_path), 0.0, Limits(budget=1e9)
+    spec, now, limits = remembering(tmp_path, pairs=True), 0.0, Limits(budget=1e9)
     evaluator = Evaluator(spec, None, "c")
     program = build(spec, evaluator.rules, limits)
     with Served(program, False) as served:
@@ -90,7 +90,7 @@ def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | 
 
 def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
     """Both say of a record of a run what Python decided, and compile without a warning."""
-    spec, now, expected = remembering(tmp_path), 0.0, list[str]()
+    spec, now, expected = remembering(tmp_path, pairs=True), 0.0, list[str]()
     recorded = tm.supervisor(
         spec, backend="numpy", limits=Limits(budget=1e9), clock=lambda: now, record=tmp_path / "run.arrows"
     )

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from property.test_over_run import said
 from property.test_saved_memory import told
 from property.test_whole_run import CUTS, same
+from support import run_pairs
 from support.length import amount
 from support.run_formulas import SIGNALS, formulas, runs
+from support.run_pairs import paired
 from trackmarshal.backends.over_run.history import History, Past
 from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.diagnostics.base import Diagnostics
@@ -238,3 +240,46 @@ def test_lanes_have_a_capacity_too(backend: str) -> None:
     ]
     assert [one.verdict for one in found] == ["satisfied", "undefined", "undefined", "satisfied"]
     assert "3 elements, room for 1: declare the signal with `capacity 3`" in found[2].reason
+
+
+@given(
+    run_pairs.LASTING,
+    run_pairs.LASTING,
+    st.sampled_from([run_pairs.SETS, run_pairs.SETS[::-1], ("objects", "objects")]),
+    paired(False),
+    paired(False),
+    run_pairs.runs(),
+)
+@settings(max_examples=amount(40, 900), deadline=None)
+def test_pairs_of_elements(
+    first: str, second: str, sets: tuple[str, str], guard: str, body: str, cycles: Cycles
+) -> None:
+    """A pair lasts as long as both of its elements do, each as its set has it."""
+    text = run_pairs.signals(first, second) + (
+        f'rule f "x"\n  for all o in {sets[0]}\n  for all b in {sets[1]} where {guard}\n  require {body}\n'
+    )
+    assert said(text, "reference", cycles) == said(text, "numpy", cycles)
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy"])
+def test_one_whose_set_forgets_it_at_once_makes_a_new_pair(backend: str) -> None:
+    spec = loads(
+        "module m\nsignal cars : set of object { v: bool } capacity 2 forget 1 s\nsignal lights : set of object { v: bool }\n"
+        'rule f "" for all c in cars for all l in lights require once (c.v and l.v)\n'
+    )
+    evaluator = Evaluator(spec, backend=backend)
+    run = evaluator.over_run()
+
+    def step(t: float, cars: dict[str, bool], lights: dict[str, bool]) -> str:
+        signals = {
+            name: [{"id": one, "v": v} for one, v in there.items()]
+            for name, there in (("cars", cars), ("lights", lights))
+        }
+        return run.step(evaluator.read({"id": t, "t": t, "signals": signals})).rules["f"].verdict
+
+    assert step(0.0, {"a": True}, {"x": True}) == "satisfied"
+    assert step(0.1, {"a": False}, {"x": False}) == "satisfied"
+    assert step(0.2, {}, {"x": False}) == "inactive"
+    assert step(0.3, {"a": False}, {"x": False}) == "satisfied"  # the car is known again
+    assert step(0.4, {"a": False}, {}) == "inactive"
+    assert step(0.5, {"a": False}, {"x": False}) == "violated"  # the light is another one

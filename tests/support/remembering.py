@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -30,17 +31,31 @@ rule one_turn "" along lived as c require always count(rising(c.heading > 0.01 r
 rule goes_on "" along lived as c at last require c.v > 1 m/s since[0 s, 3 s] c.x > 5 m
 rule steps "" along lived as c whenever previous c.v > 20 m/s require count(c.y > 1 m, reset: rising(c.y < 0.8 m)) <= 3
 """
+#: Of pairs: of objects, and of objects and obstacles, which may be absent for a while.
+PAIRS = """
+rule fell_back "" for all a in objects for all b in objects where a.x < b.x require not once[0 s, 0.3 s] a.x > b.x - 45 m
+rule met "" for all o in objects for all c in obstacles except rising(o.x > c.x) "" require count(o.x > c.x, last: 0.3 s) <= 2
+rule since_then "" for all a in obstacles for all b in obstacles require a.x <= b.x + 25 m since[0 s, 0.5 s] b.y > 0 m
+rule apart "" for all c in obstacles for all o in objects require always[0 s, 0.2 s] (c.x > o.x - 100 m or previous c.y > o.y)
+"""
+LASTING = "capacity 8 forget 0.25 s"
 NAMES = tuple(line.split()[1] for line in RULES.splitlines() if line.startswith("rule"))
+NAMES_OF_PAIRS = tuple(line.split()[1] for line in PAIRS.splitlines() if line.startswith("rule"))
 
 
-def sources(folder: Path) -> Path:
-    """The folder of its specs, written below one that is empty."""
+def sources(folder: Path, pairs: bool = False) -> Path:
+    """The folder of its specs, written below one that is empty. pairs: with rules of pairs of elements beside the others."""
     left_out = shutil.ignore_patterns("*.jsonl*", "*.json")
     own: Path = shutil.copytree(REPOSITORY / "specs", folder / "specs", ignore=left_out) / "supervisor"
-    (own / "remembering.spec").write_text(RULES, encoding="utf-8")
+    (own / "remembering.spec").write_text(RULES + PAIRS * pairs, encoding="utf-8")
+    if pairs:
+        given = (own / "interface.spec").read_text(encoding="utf-8")
+        lasting, found = re.subn(r"(signal obstacles : set of object \{[^}]*\})", rf"\1 {LASTING}", given)
+        assert found == 1
+        (own / "interface.spec").write_text(lasting, encoding="utf-8")
     return own
 
 
-def remembering(folder: Path) -> Spec:
+def remembering(folder: Path, pairs: bool = False) -> Spec:
     """It, compiled."""
-    return tm.load([sources(folder)])
+    return tm.load([sources(folder, pairs)])

@@ -35,7 +35,7 @@ RULES = """module m
 param most : m/s = 40 m/s
 signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s in [-10, 150] }
 signal ego : state { x: m, y: m, heading: rad, v: m/s }
-signal objects : set of object { x: m }
+signal objects : set of object { x: m } capacity 3
 event flag
 state light : { clear, caution } starts clear
   becomes caution when flag
@@ -53,6 +53,8 @@ rule ever "" require count(rising(flag)) <= 9
 rule long "" require time_in(light) <= 0.6 s and light.entry < 60 m/s
 rule close "" for all o in objects require near(o) is yes implies (near(o).gap > 12 m and time_in(near(o)) < 2 s)
 rule came "" for all o in objects except not previous o.x > ego.x "" require o.x > ego.x - 5 m
+rule order "" for all o in objects for all p in objects where o.x > p.x + 6 m require not previous o.x < p.x
+rule passed "" for all o in objects for all p in objects require count(o.x < p.x, reset: o.x > p.x + 9 m) <= 3
 """
 
 

@@ -581,11 +581,15 @@ class Writer:
         limit = self.number(node.limit, at, "limit")
         return self.call(f"tm_{compare}" if self.known else f"tm_count_{compare}", count, limit)
 
-    def place_of(self, axis: ir.Axis, scope: c.Scope, places: str = "place") -> c.Expr:
-        """The place in memories of an element of a set, in the present cycle (`place`) or from now on (`next`)."""
+    def place_of(self, axes: tuple[ir.Axis, ...], scope: c.Scope, places: str = "place") -> list[c.Expr]:
+        """The place in memories of an element of a set, or of a pair, in the present cycle (`place`) or from now on (`next`); of the run, none."""
+        if not axes:
+            return []
         run = c.Member(self.name("context"), "run", True)
-        own = c.Member(run, self.plan.input(axis.signal).c_name, False)
-        return c.Element(c.Member(own, places, False), self.index(axis, scope))
+        place: c.Expr = c.Member(c.Member(run, self.plan.places_of(axes), False), places, False)
+        for axis in axes:
+            place = c.Element(place, self.index(axis, scope))
+        return [place]
 
     def states(self, machine: ir.Machine, scope: c.Scope) -> c.Expr:
         """The name of the states that a machine may be in after the present cycle, with what it keeps in each."""
@@ -594,7 +598,7 @@ class Writer:
         known = home.known.get(machine)
         if known is None:
             cell = self.plan.memory(machine)
-            places = [] if axis is None else [self.place_of(axis, home)]
+            places = self.place_of(cell.axes, home)
             guards = [self.formula(guard, home, "guard") for guard in machine.guards]
             numbers = [self.noted(number, home) for number in machine.numbers]
             made = self.call(f"tm_{cell.c_name}_now", self.name("context"), *places, *guards, *numbers)
@@ -609,8 +613,7 @@ class Writer:
 
     def _recalled(self, node: ir.OverRun | ir.Counted, at: c.Scope) -> list[c.Expr]:
         """The arguments of a recollection: the context, whose memory it is, and the operands in the present cycle."""
-        axis = self.plan.memory(node).axis
-        places = [] if axis is None else [self.place_of(axis, at)]
+        places = self.place_of(self.plan.memory(node).axes, at)
         return [self.name("context"), *places, *(self.formula(each, at) for each in node.operands)]
 
     def _flag(self, node: ir.Flag, at: c.Scope) -> c.Expr:

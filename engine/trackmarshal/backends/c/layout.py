@@ -10,6 +10,7 @@ from trackmarshal.backends.c.courses import Course, courses_of
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.over_run.cells import Cell, cells_of
 from trackmarshal.backends.c.over_run.future import Future, future_of
+from trackmarshal.backends.c.over_run.pairs import Pairs, pairs_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
@@ -112,10 +113,36 @@ class Layout:
     @property
     def named(self) -> list[Input]:
         """The sets whose elements are known again in other cycles."""
-        axes = {each.axis.signal for each in self.kept.values() if each.axis is not None} | set(
-            self.future.sets
-        )
+        axes = {axis.signal for each in self.kept.values() for axis in each.axes} | set(self.future.sets)
         return [item for item in self.inputs.values() if item.name in axes]
+
+    @property
+    def pairs(self) -> dict[tuple[str, ...], Pairs]:
+        """The pairs of elements of which something is remembered, by the signals of both."""
+        kept = {tuple(axis.signal for axis in each.axes) for each in self.kept.values()}
+        return {signals: pair for signals, pair in self._pairs.items() if signals in kept}
+
+    @property
+    def pairs_ahead(self) -> dict[tuple[str, ...], Pairs]:
+        """Those of which the last cycles are kept."""
+        kept = {tuple(axis.signal for axis in axes) for axes in self.future.pairs}
+        return {signals: pair for signals, pair in self._pairs.items() if signals in kept}
+
+    @property
+    def _pairs(self) -> dict[tuple[str, ...], Pairs]:
+        return pairs_of([*(each.axes for each in self.kept.values()), *self.future.pairs])
+
+    def places_of(self, axes: tuple[ir.Axis, ...]) -> str:
+        """What has the places in memories of the elements of a set, or of pairs, as C calls it; nothing of the run."""
+        if len(axes) == 2:
+            return self._pairs[tuple(axis.signal for axis in axes)].c_name
+        return self.input(axes[0].signal).c_name if axes else ""
+
+    @property
+    def paired(self) -> set[str]:
+        """The sets of whose elements there are pairs that are known again after an absence: where elements of one of both are gone at once,
+        they may be absent for no time."""
+        return {signal for signals, pair in self.pairs.items() if pair.forget for signal in signals}
 
     @property
     def lines(self) -> list[Shape]:

@@ -15,7 +15,7 @@ from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.courses import bytes_of_courses
 from trackmarshal.backends.c.glue import Flat, flat
 from trackmarshal.backends.c.header import CAPACITIES, capacities, default
-from trackmarshal.backends.c.over_run.cells import bytes_of_rate
+from trackmarshal.backends.c.over_run.cells import bytes_of_pairs, bytes_of_rate
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.places import PlaceSetter, bytes_of_lanes, lanes
 from trackmarshal.backends.c.source import Source, generate
@@ -91,6 +91,13 @@ class _Result(ctypes.Structure):
     """A `tm_result`."""
 
     _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
+
+
+def _too_many_pairs() -> TrackmarshalError:
+    return TrackmarshalError(
+        "E473", f"what is remembered of pairs of elements takes more than {_BYTES >> 20} MiB",
+        help="give the sets a smaller `capacity`, or choose another backend",
+    )  # fmt: skip
 
 
 def _refused(case: Frame, status: int) -> TrackmarshalError:
@@ -182,13 +189,15 @@ class CProgram(Stateless):
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
             return have
-        sizes = {name: self._size(name, wanted[name]) for name in self._kinds}
+        sizes = {name: self._size(name, wanted[name], elements) for name in self._kinds}
         if have is not None:
             sizes = {name: max(size, have.sizes[name]) for name, size in sizes.items()}
         if bytes_of_lanes(self.source.plan, sizes) > _BYTES:
             raise TrackmarshalError(
                 "E473", f"lanes take more than {_BYTES >> 20} MiB", help="choose another backend"
             )
+        if bytes_of_pairs(self.source.plan.kept.values(), sizes.get("TM_MAX_ELEMENTS", 0)) > _BYTES:
+            raise _too_many_pairs()
         self._library = Library(self.source, sizes)
         if have is not None and self.order.timed:
             self._library.take_over(have)
@@ -201,10 +210,12 @@ class CProgram(Stateless):
         self._override(NO_SETTINGS, lib, self._changed)
         self._changed.clear()
 
-    def _size(self, name: str, wanted: int) -> int:
+    def _size(self, name: str, wanted: int, came: int) -> int:
+        """A capacity that holds so much; came: how many elements come."""
         if name == "TM_MAX_RATE":
             plan, elements = self.source.plan, default("TM_MAX_ELEMENTS", self.spec)
-            each = bytes_of_rate(plan.kept.values(), elements) + plan.future.bytes_of_rate(elements)
+            each = bytes_of_rate(plan.kept.values(), elements, max(elements, came))
+            each += plan.future.bytes_of_rate(elements)
             each += bytes_of_courses(plan.courses.values(), self.source.series)
             if each * default(name, self.spec) > _BYTES:
                 raise TrackmarshalError(

@@ -147,6 +147,8 @@ class Cells:
             if _lasting(node):
                 since |= {(node, key): (now.t, 0) for key in later}
                 for key in held.keys() - later.keys():
+                    if _gone(node, key, now):
+                        continue
                     later[key] = held[key]
                     last, cycles = self._since[node, key]
                     since[node, key] = last, cycles + 1 + self._missed
@@ -211,6 +213,13 @@ class Cells:
 def _lasting(holder: Holder) -> bool:
     """Whether something is remembered of elements that are absent."""
     return any(axis.forget for axis in sets_of(holder))
+
+
+def _gone(holder: Holder, key: Key, now: Now) -> bool:
+    """Whether one of these elements is not there, and its set knows nobody again."""
+    return any(
+        not axis.forget and name not in now.ids[axis.signal] for axis, name in zip(sets_of(holder), key)
+    )
 
 
 def _empty(node: ir.OverRun | ir.Counted) -> Sliding[Any]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
-from trackmarshal.backends.c.over_run.future import settled
+from trackmarshal.backends.c.over_run.future import settled, too_many
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import FURTHEST, over_run, parts, recalled, recalls, sets
@@ -16,12 +17,13 @@ from trackmarshal.source import Span
 
 @dataclass(frozen=True)
 class Cell:
-    """The memory of one operator, or of one state machine. kind: which sort of memory it has; axis: the set of whose elements it has one each, None for the run."""
+    """The memory of one operator, or of one state machine. kind: which sort of memory it has; axes: the set of whose elements it has one each, or the two
+    of whose pairs; none for the run."""
 
     node: ir.OverRun | ir.Counted | ir.Machine
     kind: str
     c_name: str
-    axis: ir.Axis | None
+    axes: tuple[ir.Axis, ...]
 
     @property
     def shown(self) -> str:
@@ -126,15 +128,15 @@ def cells_of(
                             "E470", f"rule `{rule.name}`: {why}", file=span.file.path, line=span.line,
                             help="choose rules with --rule, or another backend",
                         )  # fmt: skip
-                    kind, axes = kind_of(node), sets(node)
-                    found[node] = Cell(node, kind, f"{kind}_{len(found) + 1}", axes[0] if axes else None)
+                    kind = kind_of(node)
+                    found[node] = Cell(node, kind, f"{kind}_{len(found) + 1}", sets(node))
     return found
 
 
 def obstacle(node: Holder) -> str | None:
     """Why generated C cannot keep what an operator or machine needs; None where it can."""
-    if len(sets(node)) > 1:
-        return "generated C keeps no memory for each pair of elements"
+    if len(sets(node)) > 2:
+        return too_many(sets(node))
     if not isinstance(node, ir.Machine) and max(node.lower or 0, node.upper or 0) > FURTHEST:
         return f"the window is longer than {FURTHEST / 1e9:g} s"
     return None
@@ -144,10 +146,29 @@ def obstacle(node: Holder) -> str | None:
 _BYTES = {"once": 40, "historically": 40, "since": 88, "count": 40, "recount": 40}
 
 
-def bytes_of_rate(cells: Iterable[Cell], elements: int) -> float:
-    """About how many bytes windows take for each cycle a second that they have room for."""
+#: Of a pair what is known of its life, and its two places; what an operator keeps without items, and how many of these it has room for at any rate.
+_PAIR, _CELL, _LEAST = 40, 80, 4
+
+
+def bytes_of_rate(cells: Iterable[Cell], elements: int, paired: int) -> float:
+    """About how many bytes windows take for each cycle a second that they have room for; paired: how many elements a set has of which there are pairs."""
     found = 0.0
     for cell in cells:
         longest = cell.lower if cell.upper is None else cell.upper
-        found += _BYTES.get(cell.kind, 0) * (longest / 1e9) * (1 if cell.axis is None else elements)
+        many = elements ** len(cell.axes) if len(cell.axes) < 2 else _pairs(cell, paired)
+        found += _BYTES.get(cell.kind, 0) * (longest / 1e9) * many
     return found
+
+
+def bytes_of_pairs(cells: Iterable[Cell], elements: int) -> int:
+    """About how many bytes pairs of elements take, whatever the rate."""
+    two = [cell for cell in cells if len(cell.axes) == 2]
+    places = len({tuple(axis.signal for axis in cell.axes) for cell in two}) * elements**2
+    return _PAIR * places + sum(
+        (_CELL + _LEAST * _BYTES.get(cell.kind, 0)) * _pairs(cell, elements) for cell in two
+    )
+
+
+def _pairs(cell: Cell, elements: int) -> int:
+    """How many pairs of two sets there may be."""
+    return math.prod((axis.capacity or elements) if axis.forget else elements for axis in cell.axes)

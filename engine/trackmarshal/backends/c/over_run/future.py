@@ -16,11 +16,12 @@ from trackmarshal.source import Span
 
 @dataclass(frozen=True)
 class Table:
-    """The values of a formula about each of the last cycles; axis: the set of whose elements it has one each, None for the run."""
+    """The values of a formula about each of the last cycles; axes: the set of whose elements it has one each, or the two of whose pairs; none for the
+    run."""
 
     node: ir.Formula
     c_name: str
-    axis: ir.Axis | None
+    axes: tuple[ir.Axis, ...]
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Future:
     @property
     def sets(self) -> list[str]:
         """Signals of whose elements it is kept which were there: those that tables are about, and that quantifiers go through."""
-        found = dict.fromkeys(table.axis.signal for table in self.tables if table.axis is not None)
+        found = dict.fromkeys(axis.signal for table in self.tables for axis in table.axes)
         for rule in self.rules:
             for root in (rule.formula, rule.active):
                 for node in ir.below(root) if root is not None else ():
@@ -78,12 +79,16 @@ class Future:
                         found.setdefault(node.axis.signal)
         return list(found)
 
+    @property
+    def pairs(self) -> list[tuple[ir.Axis, ...]]:
+        """The pairs of sets of whose elements tables are about both."""
+        return [axes for axes in dict.fromkeys(table.axes for table in self.tables) if len(axes) == 2]
+
     def bytes_of_rate(self, elements: int) -> float:
         """About how many bytes are kept for each cycle a second that there is room for."""
-        each = sum(
-            112 * (1 if table.axis is None else elements) for table in self.tables
-        ) + 2 * elements * len(self.sets)
-        return (16 + 2 * len(self.rules) + each) * (self.reach + self.back) / 1e9
+        each = sum(112 * elements ** len(table.axes) for table in self.tables)
+        each += 2 * (elements * len(self.sets) + elements**2 * len(self.pairs))
+        return float(16 + 2 * len(self.rules) + each) * (self.reach + self.back) / 1e9
 
     @property
     def room(self) -> str:
@@ -138,11 +143,11 @@ def _collect(found: Future, rule: RuleInfo, formula: ir.Formula) -> None:
         below = parts_ahead(node)
         if below is None:
             if node not in found.leaves:
-                found.leaves[node] = Table(node, f"leaf_{len(found.leaves) + 1}", _axis(rule, node))
+                found.leaves[node] = Table(node, f"leaf_{len(found.leaves) + 1}", _axes(rule, node))
         elif ready:
             if isinstance(node, ir.OverRun | ir.Counted) and node not in found.operators:
                 operands = tuple(_operand(found, rule, each) for each in node.operands)
-                table = Table(node, f"{_kind(node)}_ahead_{len(found.operators) + 1}", _axis(rule, node))
+                table = Table(node, f"{_kind(node)}_ahead_{len(found.operators) + 1}", _axes(rule, node))
                 found.operators[node] = Operator(table, operands)
         elif node not in done:
             done.add(node)
@@ -155,15 +160,20 @@ def _collect(found: Future, rule: RuleInfo, formula: ir.Formula) -> None:
 def _operand(found: Future, rule: RuleInfo, node: ir.Formula) -> Table:
     known = found.table(node)
     if known is None:
-        known = found.given[node] = Table(node, f"given_{len(found.given) + 1}", _axis(rule, node))
+        known = found.given[node] = Table(node, f"given_{len(found.given) + 1}", _axes(rule, node))
     return known
 
 
-def _axis(rule: RuleInfo, node: ir.Formula) -> ir.Axis | None:
+def _axes(rule: RuleInfo, node: ir.Formula) -> tuple[ir.Axis, ...]:
     axes = sets(node)
-    if len(axes) > 1:
-        raise _refused(rule, node, "generated C keeps no memory for each pair of elements")
-    return axes[0] if axes else None
+    if len(axes) > 2:
+        raise _refused(rule, node, too_many(axes))
+    return axes
+
+
+def too_many(axes: tuple[ir.Axis, ...]) -> str:
+    """Why generated C keeps nothing for the elements of so many sets."""
+    return f"generated C has memory for elements and pairs of them, and not for each {len(axes)} of them"
 
 
 def _kind(node: ir.OverRun | ir.Counted) -> str:

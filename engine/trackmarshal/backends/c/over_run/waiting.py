@@ -12,7 +12,7 @@ from trackmarshal.backends.c.over_run.future import Future, Operator, Table
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 
-_FUTURE, _SLOT, _PLACE = c.Name("future"), c.Name("slot"), c.Name("place")
+_FUTURE, _SLOT = c.Name("future"), c.Name("slot")
 _ELEMENTS = c.Name("TM_MAX_ELEMENTS")
 _TRUE, _FALSE = c.Call("tm_true_any", ()), c.Call("tm_false_any", ())
 #: Sorts of windows, by operator.
@@ -31,6 +31,10 @@ def described(plan: Layout) -> dict[str, Any]:
         ],
         "sets": [plan.input(name).c_name for name in future.sets],
         "lasting": [plan.input(name).c_name for name in future.sets if plan.spec.signals[name].forget],
+        "pairs": [
+            {"c_name": pair.c_name, "first": plan.input(pair.first).c_name, "second": plan.input(pair.second).c_name, "pair": True}
+            for pair in plan.pairs_ahead.values()
+        ],
         "leaves": [_table(plan, each) for each in future.leaves.values()],
         "given": [_table(plan, each) for each in future.given.values()],
         "operators": [_operator(plan, each) for each in future.operators.values()],
@@ -39,14 +43,23 @@ def described(plan: Layout) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _table(plan: Layout, each: Table) -> dict[str, Any]:
-    return {"c_name": each.c_name, "set": "" if each.axis is None else plan.input(each.axis.signal).c_name}
+#: How far values of the same element, or pair, are apart from cycle to cycle, by how many elements they are about.
+_STRIDES = ("1u", "TM_MAX_ELEMENTS", "TM_MAX_ELEMENTS * TM_MAX_ELEMENTS")
+
+
+def _table(plan: Layout, each: Table, of: Table | None = None) -> dict[str, Any]:
+    """A table, as it is asked in loops over what another one is about."""
+    around = (each if of is None else of).axes
+    return {
+        "c_name": each.c_name, "set": plan.places_of(each.axes), "pair": len(each.axes) == 2, "stride": _STRIDES[len(each.axes)],
+        "at": "".join(f"[{'ik'[around.index(axis)]}]" for axis in each.axes),
+    }  # fmt: skip
 
 
 def _operator(plan: Layout, each: Operator) -> dict[str, Any]:
     node = each.node
     span = comment(f"{node.span.file.path}:{node.span.line}")
-    operands = [_table(plan, one) for one in each.operands]
+    operands = [_table(plan, one, each.table) for one in each.operands]
     op = node.op if isinstance(node, ir.OverRun) else "count"
     own = {
         **_table(plan, each.table), "about": f"`{op}`: {span}", "op": op, "past": node.past, "lower": f"INT64_C({node.lower or 0})",
@@ -77,24 +90,27 @@ def put_together(plan: Layout) -> list[str]:
     """Functions of formulas that are put together from tables: operands of operators, and what rules say and where they apply."""
     future = plan.future
     made = [
-        _function(plan, future, each.node, f"tm_{each.c_name}", each.axis) for each in future.given.values()
+        _function(plan, future, each.node, f"tm_{each.c_name}", each.axes) for each in future.given.values()
     ]
     for rule in future.rules:
         name = plan.rule_names[rule.name]
         assert rule.formula is not None
-        made.append(_function(plan, future, plan.same(rule.formula), f"tm_rule_{name}_said", None))
+        made.append(_function(plan, future, plan.same(rule.formula), f"tm_rule_{name}_said", ()))
         if rule.active is not None:
-            made.append(_function(plan, future, plan.same(rule.active), f"tm_rule_{name}_applies", None))
+            made.append(_function(plan, future, plan.same(rule.active), f"tm_rule_{name}_applies", ()))
     return ["\n".join([*c.printed(each), ""]) for each in made]
 
 
-def _function(plan: Layout, future: Future, node: ir.Formula, name: str, axis: ir.Axis | None) -> c.Function:
+def _function(
+    plan: Layout, future: Future, node: ir.Formula, name: str, axes: tuple[ir.Axis, ...]
+) -> c.Function:
     body: list[c.Statement] = []
     writing = _Writing(plan, future)
-    binds: dict[ir.Axis, c.Expr] = {} if axis is None else {axis: _PLACE}
+    names = ("place",) if len(axes) == 1 else ("first", "second")
+    binds: dict[ir.Axis, c.Expr] = {axis: c.Name(name) for axis, name in zip(axes, names)}
     value = writing.value(node, body, binds, whole=True)
     body.append(c.Return(value))
-    places = () if axis is None else (("size_t ", "place"),)
+    places = tuple(("size_t ", name) for _, name in zip(axes, names))
     parameters = (("const tm_future *", "future"), ("size_t ", "slot"), *places)
     said = ("Put together from what is known about one cycle.",)
     return c.Function(said, "tm_known", name, parameters, tuple(body))
@@ -112,8 +128,10 @@ class _Writing:
         """The value of a formula. whole: it is what the function is about, and so is no table to it."""
         table = self._future.table(node)
         if table is not None and not (whole and node in self._future.given):
-            row = c.Element(c.Member(_FUTURE, table.c_name, True), _SLOT)
-            return row if table.axis is None else c.Element(row, binds[table.axis])
+            row: c.Expr = c.Element(c.Member(_FUTURE, table.c_name, True), _SLOT)
+            for axis in table.axes:
+                row = c.Element(row, binds[axis])
+            return row
         match node:
             case ir.Not():
                 return c.Call("tm_not_known", (self.value(node.operand, body, binds),))

@@ -11,10 +11,11 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.courses import counts_samples
 from trackmarshal.backends.c.courses import described as course
 from trackmarshal.backends.c.expressions import Writer
-from trackmarshal.backends.c.layout import Layout, roots
+from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
 from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
+from trackmarshal.backends.c.over_run.pairs import Pairs
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, TALLY, finished, remembers
 from trackmarshal.ir import nodes as ir
@@ -59,7 +60,8 @@ def described(plan: Layout) -> dict[str, Any]:
     return {
         "cases": CASES,
         "kinds": kinds,
-        "sets": [{"name": item.name, "c_name": item.c_name, **_lasting(item.signal)} for item in plan.named],
+        "sets": [_set(plan, item) for item in plan.named],
+        "pairs": [_pairs(plan, pair) for pair in plan.pairs.values()],
         "lasting": any(item.signal is not None and item.signal.forget for item in plan.named),
         "kept": [_described(plan, each) for each in plan.kept.values()],
         "comment": comment,
@@ -78,12 +80,21 @@ def _of_input(plan: Layout, signal: str, field: str) -> str:
 
 def _described(plan: Layout, each: Cell) -> dict[str, Any]:
     place = "" if each.span is None else f": {comment(f'{each.span.file.path}:{each.span.line}')}"
-    own = {
-        "kind": each.kind, "c_name": each.c_name, "about": f"{comment(each.shown)}{place}",
-        "set": "" if each.axis is None else plan.input(each.axis.signal).c_name,
-        "most": _lasting(None if each.axis is None else plan.spec.signals[each.axis.signal])["room"],
-        "forget": bool(each.axis is not None and each.axis.forget), "reaches": each.upper is None or each.upper > 0,
+    axes, pair = each.axes, plan.pairs.get(tuple(axis.signal for axis in each.axes))
+    own: dict[str, Any] = {
+        "kind": each.kind, "c_name": each.c_name, "about": f"{comment(each.shown)}{place}", "set": plan.places_of(axes),
+        "most": _lasting(plan.spec.signals[axes[0].signal] if axes else None)["room"], "pair": None,
+        "forget": any(axis.forget for axis in axes), "reaches": each.upper is None or each.upper > 0,
+        "lives": f"{plan.places_of(axes)}.life", "absent": "tm_absent",
     }  # fmt: skip
+    if pair is not None:
+        both = _pairs(plan, pair)
+        own |= {
+            "pair": both,
+            "most": both["room"],
+            "lives": f"{pair.c_name}.pair",
+            "absent": "tm_pairs_absent",
+        }
     if isinstance(each.node, ir.Machine):
         asked = [node for rule in plan.rules for root in roots(rule) for node in ir.below(root)]
         machine = each.node
@@ -95,6 +106,20 @@ def _described(plan: Layout, each: Cell) -> dict[str, Any]:
         "value": WINDOWS[each.kind]["value"] if each.kind in WINDOWS else "tm_cases",
         "lower": f"INT64_C({each.lower})", "upper": "INT64_C(-1)" if each.upper is None else f"INT64_C({each.upper})",
         "weak": isinstance(each.node, ir.OverRun) and each.node.weak, "ripe": each.lower == 0,
+    }  # fmt: skip
+
+
+def _set(plan: Layout, item: Input) -> dict[str, Any]:
+    """A set whose elements are known again in other cycles. Where others that they are paired with may be absent, they may be so for no time."""
+    lasting, paired = _lasting(item.signal), item.name in plan.paired
+    forget = lasting["forget"] or ("INT64_C(0)" if paired else "")
+    return {"name": item.name, "c_name": item.c_name, **lasting, "forget": forget, "paired": paired}
+
+
+def _pairs(plan: Layout, pair: Pairs) -> dict[str, Any]:
+    first, second = (_set(plan, plan.input(signal)) for signal in (pair.first, pair.second))
+    return {
+        "c_name": pair.c_name, "first": first, "second": second, "room": f"({first['room']} * {second['room']})", "forget": pair.forget,
     }  # fmt: skip
 
 
@@ -226,16 +251,16 @@ def _note(plan: Layout) -> c.Function:
     waiting = iter(writer.formulas)
     for each in plan.kept.values():
         given = [next(waiting) for _ in _operands(each)]
-        name = next((name for name in _names(each, rules)), each.axis.signal if each.axis is not None else "")
-        scope = writer.root if each.axis is None else writer.loop(each.axis, writer.root, (identifier(name),))
-        place: list[c.Expr] = [] if each.axis is None else [writer.place_of(each.axis, scope, "next")]
+        scope = writer.root
+        for axis in each.axes:
+            scope = writer.loop(axis, scope, (identifier(next(_names(axis, rules), axis.signal)),))
+        place = writer.place_of(each.axes, scope, "next")
         values = [writer.formula(operand, scope) for operand in given]
         if isinstance(each.node, ir.Machine):
             values = [c.Address(writer.states(each.node, scope))]
         note = writer.call(f"tm_{each.c_name}_note", writer.name("context"), *place, *values)
         writer.add(scope, c.Evaluate(note))
-        if each.axis is not None:
-            writer.root.close(scope)
+        _close(writer.root, scope)
     body, _ = finished(writer, ("context", "in", "driven"))
     said = (
         "What operators over the run are about, and the states of machines, in the cycle that is about to be past.",
@@ -254,13 +279,12 @@ def _settle(plan: Layout) -> c.Function:
     for each, node in zip(leaves, writer.formulas):
         row: c.Expr = c.Element(c.Member(future, each.c_name, False), slot)
         scope = writer.root
-        if each.axis is not None:
-            scope = writer.loop(each.axis, writer.root, (identifier(each.axis.signal),))
-            places = c.Member(future, f"{plan.input(each.axis.signal).c_name}_place", False)
-            row = c.Element(row, c.Element(places, writer.index(each.axis, scope)))
+        for axis in each.axes:
+            scope = writer.loop(axis, scope, (identifier(axis.signal),))
+            places = c.Member(future, f"{plan.input(axis.signal).c_name}_place", False)
+            row = c.Element(row, c.Element(places, writer.index(axis, scope)))
         writer.add(scope, c.Assign(row, c.Call("tm_known_now", (writer.formula(node, scope),))))
-        if each.axis is not None:
-            writer.root.close(scope)
+        _close(writer.root, scope)
     for operator in plan.future.operators.values():
         if isinstance(operator.node, ir.Counted):
             limit = c.Element(c.Member(future, f"{operator.table.c_name}_limit", False), slot)
@@ -272,14 +296,22 @@ def _settle(plan: Layout) -> c.Function:
     return c.Function(said, "void", "tm_settle", parameters, (*body, done))
 
 
+def _close(root: c.Scope, scope: c.Scope) -> None:
+    """End a scope and those around it, up to the root."""
+    while scope is not root:
+        assert scope.parent is not None
+        scope.parent.close(scope)
+        scope = scope.parent
+
+
 def _operands(each: Cell) -> tuple[ir.Formula, ...]:
     return () if isinstance(each.node, ir.Machine) else each.node.operands
 
 
-def _names(each: Cell, rules: list[Any]) -> Iterator[str]:
-    """What rules call the element that a memory is about."""
+def _names(axis: ir.Axis, rules: list[Any]) -> Iterator[str]:
+    """What rules call an element of a set."""
     for rule in rules:
         for root in (rule.formula, rule.active):
             for node in ir.below(root) if root is not None else ():
-                if isinstance(node, ir.Quantify) and node.axis is each.axis:
+                if isinstance(node, ir.Quantify) and node.axis is axis:
                     yield node.names[0]

@@ -16,6 +16,7 @@ FILES = (
     "online",
     "run",
     "lives",
+    "pairs",
     "course",
     "future",
     "exact",
