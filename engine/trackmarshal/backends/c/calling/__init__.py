@@ -13,9 +13,10 @@ from trackmarshal.backends.c.build import small_library
 class _Calling(ctypes.Structure):
     """A `calling` of call.c."""
 
-    _fields_ = [(name, ctypes.c_void_p) for name in ("step", "bound", "words")] + [
-        ("signals", ctypes.c_int64), ("clock", ctypes.py_object), ("state", ctypes.c_void_p)
-    ]  # fmt: skip
+    _fields_ = [
+        (name, ctypes.c_int64 if name == "signals" else ctypes.c_void_p)
+        for name in ("step", "bound", "words", "signals", "clock", "state")
+    ]
 
 
 class Calling:
@@ -27,7 +28,8 @@ class Calling:
 
     def __init__(self, step: int, bound: int, words: int, signals: int, clock: Callable[[], float]) -> None:
         library = ctypes.PyDLL(str(small_library(Path(__file__).with_name("call.c"))))
-        self._own = _Calling(step, bound, words, signals, clock, None)
+        self._kept = clock
+        self._own = _Calling(step, bound, words, signals, id(clock), None)
         library.made.restype, library.made.argtypes = ctypes.py_object, [ctypes.c_void_p]
         self.user = ctypes.addressof(self._own)
         self.step: Callable[..., Any] = library.made(self.user)
