@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import pickle
 import random
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -16,15 +18,19 @@ from trackmarshal.backends.c.gather import Gathered
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.at_once import AtOnce
+from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.door.reading import CycleReader
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 
+BORDER = np.array([[0.0, 6.0], [500.0, 6.0], [900.0, 6.0]])
+
+
 class Never(AtOnce):
     """Reads nothing at once."""
 
-    def _read(self, raws: Any) -> None:
+    def _read(self, *raws: Any) -> None:
         return None
 
 
@@ -61,6 +67,7 @@ KINDS = {
     "backwards": lambda c: c[::-1].copy()[::-1],
     "of a table": lambda c: np.column_stack([c, c])[:, 1],
     "read-only": lambda c: np.frombuffer(c.tobytes()),
+    "from another process": lambda c: pickle.loads(pickle.dumps(c)),
     "big-endian": lambda c: c.astype(">f8"),
     "float32": lambda c: c.astype(np.float32),
     "whole numbers": lambda c: c.astype(np.int64),
@@ -111,6 +118,75 @@ def test_defaults_and_unknown_names() -> None:
     ):
         found = {name: seen(reader, given) for name, reader in made.items()}
         assert found["C"] == found["numpy"] == found["by signal"]
+
+
+def test_borders_are_those_of_the_cycle() -> None:
+    """Also after a cycle with the very objects of the one before, which nobody looks at again."""
+    made, whole = readers(), cycle(1)
+    one, other = (
+        {side: line(points + shift) for side, points in (("left", BORDER), ("right", -BORDER))}
+        for shift in (0.0, 1.0)
+    )
+    for track in (
+        one,
+        one,
+        {**one, "closed": True},
+        {**one, "closed": True},
+        {**one, "left": other["left"]},
+        other,
+        {"left": one["left"]},
+    ):
+        given = replace(whole, signals={**whole.signals, "track": track})
+        found = {name: (seen(reader, given), reader.read(given)[0].closed) for name, reader in made.items()}
+        assert found["C"] == found["numpy"] == found["by signal"]
+
+
+def test_what_is_looked_up_may_change_meanwhile() -> None:
+    """A key that is asked whether it is the last of the fields puts other columns into the dict that it is in, and has another cycle read."""
+
+    class Hostile:
+        def __hash__(self) -> int:
+            return hash(last)
+
+        def __eq__(self, _: object) -> bool:
+            if not armed:  # it is still being put in
+                return False
+            armed.clear()
+            held.clear()
+            held.update({name: np.full(len(column), 7.0) for name, column in whole.driving.items()})
+            reader.read(cycle(2))
+            return False
+
+    reader, whole, held, armed = readers()["C"], cycle(1), dict[Any, Any](), list[bool]()
+    first, *_, last = (name for name in reader.candidates[0][1].names.numbers if name in whole.driving)
+    reader.read(whole)
+    held[Hostile()] = 1.0
+    held.update({name: column.copy() for name, column in whole.driving.items()})
+    armed.append(True)
+    frame, faults = reader.read(replace(whole, driving=held))
+    assert not faults
+    assert frame.candidates["driving"].column(first).tolist() == whole.driving[first].tolist()
+    assert set(frame.candidates["driving"].column(last).tolist()) == {7.0}
+
+
+def test_arrays_of_another_process_take_no_closer_look() -> None:
+    reader, given = readers()["C"], in_place(cycle(3), KINDS["from another process"])
+    reader.read(given)
+    assert reader.read(given)[0].arena is not None
+
+
+def test_objects_are_let_go() -> None:
+    reader, given = readers()["C"], cycle(1)
+    refused = replace(given, driving={**given.driving, "gripp": given.driving["x"]})
+    held = [*given.driving.values(), given.driving, given.signals["objects"], given.signals["objects"]["x"]]
+    for _ in range(2):
+        reader.read(given)
+        reader.read(refused)
+    before = [sys.getrefcount(one) for one in held]
+    for _ in range(50):
+        reader.read(given)
+        reader.read(refused)
+    assert [sys.getrefcount(one) for one in held] == before
 
 
 def test_memory_of_one_cycle_is_not_that_of_the_next() -> None:

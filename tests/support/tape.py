@@ -19,6 +19,8 @@ from trackmarshal.runtime.lines import Line
 class Taped(Stepper):
     """Writes down what every step is given, what the clock says, and what was decided."""
 
+    takes_arenas = False
+
     def __init__(self, *given: Any) -> None:
         super().__init__(*given)
         self.tape = bytearray()
@@ -154,6 +156,7 @@ int main(int argc, char **argv) {
     bound.said = (uint64_t)(uintptr_t)&said;
     bound.margins = (uint64_t)(uintptr_t)margins;
     bound.verdicts = (uint64_t)(uintptr_t)verdicts;
+    bound.user = 0u;
     tmg_step(&bound);
     (void)fwrite(&said, sizeof said, 1u, out);
     (void)fwrite(margins, sizeof *margins, 2u * TM_RULES, out);

@@ -59,6 +59,8 @@ class RemoteSupervisor(CSupervisor):
 class RemoteStepper:
     """Steps that another process takes; the surface of `backends.c.step.Stepper` that a CSupervisor needs."""
 
+    takes_arenas = False
+
     def __init__(self, source: Source, client: Client, patience: float) -> None:
         given = source.supervised
         assert given is not None

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.runtime.contract import FOLLOWED, ID, IS_EMERGENCY, PLAN
-from trackmarshal.runtime.cycle import EMERGENCY
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
 
@@ -157,14 +157,41 @@ class Columns:
         return 0 if judged == "first" else self.count - 1
 
 
-class Arena(NamedTuple):
-    """The numbers of candidates and columns, one signal after the other in the contract's order; nobody can write to them.
+class Shape(NamedTuple):
+    """What arenas have alike.
 
-    words: where each signal's numbers are, 0 and how many entries there are, as three 64-bit words each; none where nobody asked.
+    called: the signals after the two candidates. names, ids: of each signal; ids are None where elements are counted. unchanged: whether all
+    other signals are the very objects that are remembered of an earlier cycle; whole: and there are no more.
     """
 
-    numbers: Floats
-    words: bytes
+    called: Sequence[str]
+    names: Sequence[Names]
+    ids: Sequence[tuple[str, ...] | None]
+    unchanged: bool = False
+    whole: bool = False
+
+
+class Arena(NamedTuple):
+    """Candidates and columns of a cycle, one signal after the other in the contract's order.
+
+    data: 8 bytes of whoever made it; of each signal where its numbers begin in all these bytes, 0, and how many entries there are, as 64-bit words;
+    then the numbers, float64, (fields, entries) of each signal.
+    """
+
+    data: bytes
+    shape: Shape
+
+    def columns(self) -> list[Columns]:
+        """Of each signal, the candidates first."""
+        import numpy as np
+
+        made, (data, shape) = [], self
+        words = memoryview(data)[: 8 + 24 * len(shape.names)].cast("q")
+        numbers = np.frombuffer(data, np.float64)
+        for names, ids, begin, count in zip(shape.names, shape.ids, words[1::3], words[3::3]):
+            known = tuple(map(str, range(count))) if ids is None else ids
+            made.append(Columns.within(names, numbers, begin // 8, count, known))
+        return made
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,6 +237,23 @@ class Frame:
     number: object = None
     #: Of each set of lanes the left and the right border of every one.
     lanes: dict[str, tuple[tuple[Line, Line], ...]] = field(default_factory=dict)
+
+    @staticmethod
+    def unread(
+        settings: Settings, arena: Arena, lines: dict[tuple[str, str], Line], closed: dict[str, bool], events: dict[str, int],
+    ) -> Frame:  # fmt: skip
+        """A cycle in an arena, whose columns are made when somebody asks for them: in most cycles, nobody does."""
+        made = _Unread.__new__(_Unread)
+        made.id = made.t = made.number = None
+        made.settings, made.arena, made.lines, made.closed, made.events = (
+            settings,
+            arena,
+            lines,
+            closed,
+            events,
+        )
+        made.faults, made.orders, made.straight, made.lanes = [], NO_ORDERS, NO_ORDERS, {}
+        return made
 
     def of(self, candidate: str) -> Frame:
         """The frame as rules see it that rate a candidate: with its `plan`, its own faults and those of what all share."""
@@ -273,3 +317,17 @@ class Frame:
                     if signal == fault.signal and (whole or fault.field in ("", field_)):
                         return fault
         return None
+
+
+class _Unread(Frame):
+    """A frame that has no `columns` and `candidates` yet."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in ("columns", "candidates") or self.arena is None:
+            raise AttributeError(name)
+        driving, emergency, *others = self.arena.columns()
+        self.candidates = {DRIVING: driving, EMERGENCY: emergency}
+        self.columns = dict(zip(self.arena.shape.called, others))
+        return getattr(self, name)

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.runtime.contract.conditions import remainder
-from trackmarshal.runtime.frame import Columns
+from trackmarshal.runtime.frame import Columns, Frame
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.frame import Floats
@@ -25,11 +25,15 @@ class Spot(NamedTuple):
 class Plan:
     """One candidate of one cycle, for good: nobody else has its memory.
 
-    number, t: the cycle's; times of samples count from the stamp t. columns: the fields, in SI.
+    number, t: the cycle's; times of samples count from the stamp t. columns: the fields, in SI; of a frame, when somebody asks for them.
     """
 
-    def __init__(self, candidate: str, number: int, t: float, columns: Columns) -> None:
-        self.candidate, self.number, self.t, self.columns = candidate, number, t, columns
+    def __init__(self, candidate: str, number: int, t: float, columns: Columns | Frame) -> None:
+        self.candidate, self.number, self.t, self._of = candidate, number, t, columns
+
+    @cached_property
+    def columns(self) -> Columns:
+        return self._of if isinstance(self._of, Columns) else self._of.candidates[self.candidate]
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -136,8 +136,10 @@ def _structs(given: Supervised) -> Iterator[str]:
 def _step(given: Supervised) -> Iterator[str]:
     order = words(given)
     signals = [given.contract.plan, given.contract.plan, *given.inputs]
-    yield "/* Addresses of the context, a cycle's words, the clock, a decision, and where its words, margins and verdicts go. */"
-    yield "typedef struct { uint64_t context; uint64_t in; uint64_t clock; uint64_t out; uint64_t said; uint64_t margins; uint64_t verdicts; } tmg_bound;"
+    yield "/* Addresses of the context, a cycle's words, the clock, a decision, where its words, margins and verdicts go, and what the clock gets. */"
+    yield "typedef struct {"
+    yield "  uint64_t context; uint64_t in; uint64_t clock; uint64_t out; uint64_t said; uint64_t margins; uint64_t verdicts; uint64_t user;"
+    yield "} tmg_bound;"
     yield "void tmg_step(const tmg_bound *bound) {"
     yield "  const tmg_cycle *in = (const tmg_cycle *)(uintptr_t)bound->in;"
     yield "  tm_decision *out = (tm_decision *)(uintptr_t)bound->out;"
@@ -176,7 +178,7 @@ def _step(given: Supervised) -> Iterator[str]:
         yield f"  cycle.signals.{c_name} = &lines_{c_name};"
     for place, name in enumerate(order.events):
         yield f"  cycle.signals.{given.signals[name]} = (tm_flag)in->events[{place}];"
-    yield "  tm_step((tm_context *)(uintptr_t)bound->context, &cycle, (tm_clock)(uintptr_t)bound->clock, NULL, out);"
+    yield "  tm_step((tm_context *)(uintptr_t)bound->context, &cycle, (tm_clock)(uintptr_t)bound->clock, (void *)(uintptr_t)bound->user, out);"
     for name, kind in SAID:
         yield f"  said->{name} = {'' if kind == 'd' else '(int64_t)'}out->{name};"
     yield "  for (size_t r = 0; r < TM_RULES; ++r) {"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-import math
 import struct
 from array import array
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.calling import Calling
 from trackmarshal.backends.c.header import CAPACITIES, capacities, elements
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
 from trackmarshal.backends.c.lanes import Lanes, as_many
@@ -31,7 +31,6 @@ STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constrain
 _NOWHERE = ctypes.c_size_t(-1).value
 #: What a context may take.
 _MOST_BYTES = 1 << 30
-_CLOCK = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +104,8 @@ class Stepping(Protocol):
     words: Words
     margins: Floats
     verdicts: NDArray[np.int8]
+    #: Whether no columns are wanted where there is an arena.
+    takes_arenas: bool
 
     def step(
         self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
@@ -126,6 +127,8 @@ class Stepper:
 
     Raises TrackmarshalError E471 or E472 without a compiler, E473 for a configuration that C refuses.
     """
+
+    takes_arenas = True
 
     def __init__(
         self, source: Source, limits: Mapping[str, float], clock: Callable[[], float], params: Mapping[str, float] | None = None,
@@ -165,11 +168,16 @@ class Stepper:
         decision = (ctypes.addressof(self._decision) + 63) & ~63
         self._reasons = decision + dll.tmg_reasons()
         self._head, self._middle, self._tail = map(struct.Struct, self.words.formats)
-        #: All words of a cycle; every step writes all of them.
+        #: All words of a cycle.
         self._in = bytearray(self.width)
-        #: Lines, ids, closed and events, and the words for them.
-        self._rest: tuple[Any, bytes] = (None, b"")
+        self._before = self._head.size + self._middle.size
+        #: Lines, ids, lanes, closed and events, of which the words are the last ones of `_in`; None where they are not there.
+        self._rest: tuple[Any, ...] | None = None
         self._named = [self.words.columns.index(name) for name in self.words.ids]
+        if self._named or self.words.lanes:
+            self.takes_arenas = (
+                False  # how many elements there are, and what they are called, is told by columns
+            )
         self._numbering = Numbering(lasting(source.plan.spec))
         self._ids: list[array[int]] = []
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
@@ -189,22 +197,16 @@ class Stepper:
         self._lines: list[tuple[Line | None, int, int]] = [(None, 0, 0)] * len(self.words.lines)
         #: Texts of faults that were found before; reasons speak of them up to the next step.
         self._kept: Any = None
-
-        def reading(_: object) -> float:
-            try:
-                return float(clock())
-            except Exception:
-                return math.nan
-
-        self._clock = _CLOCK(reading)
-        addresses = (
-            self.context, ctypes.addressof(ctypes.c_char.from_buffer(self._in)), ctypes.cast(self._clock, pointer).value or 0, decision,
-            ctypes.addressof(self._out), self.margins.ctypes.data, self.verdicts.ctypes.data,
-        )  # fmt: skip
         #: All that a call needs, in one place.
-        self._where = np.array(addresses, dtype=np.uint64)
-        self._bound = ctypes.c_void_p(self._where.ctypes.data)
-        self._run = dll.tmg_step
+        self._where = np.zeros(8, dtype=np.uint64)
+        where_in = ctypes.addressof(ctypes.c_char.from_buffer(self._in))
+        step = ctypes.cast(dll.tmg_step, pointer).value or 0
+        self._calling = Calling(step, self.bound, where_in, len(self.words.columns), clock)
+        self._where[:] = (
+            self.context, where_in, self._calling.clock, decision, ctypes.addressof(self._out), self.margins.ctypes.data,
+            self.verdicts.ctypes.data, self._calling.user,
+        )  # fmt: skip
+        self._run = self._calling.step
         self.status = int(dll.tmg_init(self.context))
         self._configure(limits, params or {}, tables or {})
 
@@ -257,7 +259,7 @@ class Stepper:
     @property
     def function(self) -> Any:
         """The binding's step, a C function of the address `bound`."""
-        return self._run
+        return self._dll.tmg_step
 
     @property
     def bound(self) -> int:
@@ -318,7 +320,7 @@ class Stepper:
         if len(data) != sum(size for _, size in self.lasting):
             raise ValueError("it is of another size")
         self._numbering.put(numbers, following)
-        self._rest = (None, b"")  # words of ids, as they were numbered before
+        self._rest = None  # words of ids, as they were numbered before
         begin = 0
         for at, size in self.lasting:
             ctypes.memmove(self.context + at, data[begin : begin + size], size)
@@ -332,31 +334,32 @@ class Stepper:
         arena: Arena | None = None, lanes: Sequence[Lanes] = (),
     ) -> Said:  # fmt: skip
         """One cycle that came: number and stamp, None where there is none; its signals in the order of `words`, None for one that is
-        missing; what is wrong with it already, as (name, signal, field, index)."""
-        given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
-        self._kept = self._found(found, given) if found else None
-        if arena is not None and arena.words:
-            middle = arena.words
-        else:
-            own: list[Any] = []
-            self._columns(columns, own)
-            middle = self._middle.pack(*own)
-        ids = tuple(_ids(columns[place]) for place in self._named)
+        missing; what is wrong with it already, as (name, signal, field, index). Of an arena, columns are not asked for where it `takes_arenas`."""
+        ids = tuple(_ids(columns[place]) for place in self._named) if self._named else ()
         if lanes:  # as many as the set has elements: where it is none, C is not told of lanes either
             places = map(self.words.columns.index, self.words.lanes)
             lanes = [as_many(each, columns[place]) for each, place in zip(lanes, places)]
-        rest = (*lines, ids, *lanes, *closed, *events)
-        if rest != self._rest[0]:
-            own = []
+        rest = (tuple(lines), ids, tuple(lanes), tuple(closed), tuple(events))
+        if rest != self._rest:
+            own: list[Any] = []
             self._bordered(lines, own)
             self._ids = [self._numbering.of(name, each or ()) for name, each in zip(self.words.ids, ids)]
             own += [0 if each is None else kept.buffer_info()[0] for each, kept in zip(ids, self._ids)]
             self._lanes = [_words_of(each) for each in lanes]
             own += [each.buffer_info()[0] for each in self._lanes]
-            self._rest = rest, self._tail.pack(*own, *closed, *events)
-        self._in[:] = self._head.pack(*given) + middle + self._rest[1]
-        self._run(self._bound)
-        said = Said._make(self._said.unpack_from(self._out))
+            self._in[self._before :] = self._tail.pack(*own, *closed, *events)
+            self._rest = rest
+        if arena is not None and not found and number is not None and t is not None:
+            self._kept = None
+            self._run(number, t, now, arena.data)
+        else:
+            given: list[Any] = [1, number is not None, t is not None, number or 0, t or 0.0, now, 0, 0]
+            self._kept = self._found(found, given) if found else None
+            own = []
+            self._columns(columns if arena is None else arena.columns(), own)
+            self._in[: self._before] = self._head.pack(*given) + self._middle.pack(*own)
+            self._run()
+        said: Said = tuple.__new__(Said, self._said.unpack_from(self._out))
         if said.judged and self._named:
             self._numbering.settle(t)
         return said
@@ -366,7 +369,8 @@ class Stepper:
         given: list[Any] = [0, 0, 0, 0, 0.0, now, 0, 0]
         self._kept = self._found(found, given) if found else None
         self._in[:] = self._head.pack(*given).ljust(self.width, b"\0")
-        self._run(self._bound)
+        self._rest = None
+        self._run()
         return Said._make(self._said.unpack_from(self._out))
 
     @staticmethod

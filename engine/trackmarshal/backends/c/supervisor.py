@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from functools import cached_property, partial
 from typing import Any
+
+import numpy as np
 
 from trackmarshal.backends.c.gather import fastest
 from trackmarshal.backends.c.over_run.explaining import Explaining
@@ -23,7 +25,7 @@ from trackmarshal.runtime.decision import Decision, Violation
 from trackmarshal.runtime.door.door import Stamp, stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.faults import NAMES, Fault, fault
-from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged, Rated, advisory
@@ -33,6 +35,45 @@ from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
 _NOTHING, _THIS, _STORED = range(3)
+
+
+class _Said(Mapping[str, Rated]):
+    """What C said of both candidates, copied, and taken apart when somebody asks: of most cycles, nobody does.
+
+    verdicts, margins: (2, rules) int8 and float64, driving first.
+    """
+
+    __slots__ = ("_advisory", "_both", "_explain", "_frame", "_margins", "_verdicts")
+
+    def __init__(
+        self,
+        explain: Callable[..., RuleResult],
+        advisory: frozenset[int],
+        frame: Frame,
+        verdicts: bytes,
+        margins: bytes,
+    ) -> None:
+        self._explain, self._advisory, self._frame = explain, advisory, frame
+        self._verdicts, self._margins = verdicts, margins
+        self._both: dict[str, Rated] | None = None
+
+    def __getitem__(self, name: str) -> Rated:
+        if self._both is None:
+            self._both = {one: self._rated(place, one) for place, one in enumerate((DRIVING, EMERGENCY))}
+        return self._both[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((DRIVING, EMERGENCY))
+
+    def __len__(self) -> int:
+        return 2
+
+    def _rated(self, place: int, candidate: str) -> Rated:
+        count = len(self._verdicts) // 2
+        verdicts = self._verdicts[place * count : (place + 1) * count]
+        margins = np.frombuffer(self._margins, dtype=np.float64)[place * count : (place + 1) * count]
+        explain = partial(self._explain, self._frame, candidate, verdicts, margins)
+        return Rated(verdicts, margins, explain, self._advisory)
 
 
 class CSupervisor:
@@ -74,6 +115,8 @@ class CSupervisor:
             order.events,
         )
         self._lanes = order.lanes
+        #: Lines, whether they are closed, and events of a frame, and the same in the order of words.
+        self._others: tuple[Any, ...] = (None, None, None, (), (), ())
         self._reader = CycleReader(self.contract, settings, lambda readers: fastest(readers, self.limits))
         self._words = Wording(self.contract, self.limits)
         self._named = named_rules(self.rules)
@@ -160,14 +203,19 @@ class CSupervisor:
         given = [(NAMES[f.code], f.signal, f.field, f.index) for f in found] if found else ()
         if frame is None:
             return self.stepper.none_came(now, given)
-        shared = frame.columns
-        columns = [*frame.candidates.values(), *[shared[name] for name in self._shared]]
-        lines = [frame.lines[place] for place in self._lines]
-        closed = [frame.closed.get(name, False) for name in self._closed]
-        events = [frame.events[name] for name in self._events]
-        lanes = [frame.lanes[name] for name in self._lanes]
+        columns: list[Columns] = []
+        if frame.arena is None or not self.stepper.takes_arenas:
+            shared = frame.columns
+            columns = [*frame.candidates.values(), *[shared[name] for name in self._shared]]
+        known = self._others  # most frames have the same ones
+        if frame.lines is not known[0] or frame.closed is not known[1] or frame.events is not known[2]:
+            lines = tuple([frame.lines[place] for place in self._lines])
+            closed = tuple([frame.closed.get(name, False) for name in self._closed])
+            events = tuple([frame.events[name] for name in self._events])
+            known = self._others = (frame.lines, frame.closed, frame.events, lines, closed, events)
+        lanes = [frame.lanes[name] for name in self._lanes] if self._lanes else ()
         return self.stepper.step(
-            stamp.number, stamp.t, now, columns, lines, closed, events, given, frame.arena, lanes
+            stamp.number, stamp.t, now, columns, known[3], known[4], known[5], given, frame.arena, lanes
         )
 
     def _decision(
@@ -187,8 +235,8 @@ class CSupervisor:
         if faults and frame is not None:
             frame.faults = [f for f in faults if f.signal not in ("clock", "supervisor")]
         if said.safe and frame is not None and stamp.number is not None:
-            self._stored = Plan(EMERGENCY, stamp.number, t, frame.candidates[EMERGENCY])
-            driven = Plan(DRIVING, stamp.number, t, frame.candidates[DRIVING])
+            self._stored = Plan(EMERGENCY, stamp.number, t, frame)
+            driven = Plan(DRIVING, stamp.number, t, frame)
         elif not said.stored:
             self._stored = None
         elif said.driven == _STORED:
@@ -198,7 +246,7 @@ class CSupervisor:
             return self._nothing(said, stamp, *faults, incomplete("step"))
         return Decision(
             stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._stored, said.valid_until,
-            self.stepper.lost(said), faults, violations, bool(said.more), judged, advisories(self._named, judged),
+            self.stepper.lost(said), faults, violations, bool(said.more), judged, advisories(self._named, judged) if self._advisory else (),
         )  # fmt: skip
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
@@ -218,26 +266,11 @@ class CSupervisor:
         return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
 
     def _judged(self, frame: Frame) -> Judged:
-        verdicts, margins = self.stepper.verdicts.tobytes(), self.stepper.margins.copy()
-        count = len(self.rules)
-        codes, driving, emergency = (verdicts[:count], verdicts[count:]), margins[0], margins[1]
-        return Judged(
-            frame,
-            {
-                DRIVING: Rated(
-                    codes[0],
-                    driving,
-                    partial(self._explain, frame, DRIVING, codes[0], driving),
-                    self._advisory,
-                ),
-                EMERGENCY: Rated(
-                    codes[1],
-                    emergency,
-                    partial(self._explain, frame, EMERGENCY, codes[1], emergency),
-                    self._advisory,
-                ),
-            },
+        stepper = self.stepper
+        said = _Said(
+            self._explain, self._advisory, frame, stepper.verdicts.tobytes(), stepper.margins.tobytes()
         )
+        return Judged(frame, said)
 
     def _explain(
         self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False

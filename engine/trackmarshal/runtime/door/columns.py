@@ -125,6 +125,11 @@ class ColumnsReader:
         fits = type(ids) is list and {str}.issuperset(map(type, ids)) and ids == self._last_ids
         return self._ids if fits else None
 
+    @property
+    def known_ids(self) -> tuple[str, ...]:
+        """Those of the last time that a set's ids were a list of texts; none of anything else."""
+        return self._ids
+
     def layout(self, names: Sequence[Any], each: bool) -> Layout | None:
         """What data of these names says, if its values are as they should be; None where a name is wrong, or a number missing.
 

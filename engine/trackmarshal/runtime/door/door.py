@@ -59,8 +59,11 @@ class Stamp(NamedTuple):
 
 def stamp_of(cycle: Cycle) -> Stamp:
     """Number and stamp of a cycle by their types; numbers beyond 64 bits are none."""
+    number, t = cycle.number, cycle.t
+    if type(number) is int and type(t) is float and -_LARGEST <= number <= _LARGEST:
+        return Stamp(number, t, ())
     found: list[Fault] = []
-    number, t = values.whole(cycle.number), values.number(cycle.t)
+    number, t = values.whole(number), values.number(t)
     if number is None:
         name = "missing" if cycle.number is None else "wrong_type"
         found.append(fault(name, "cycle", "number", None, values.worded(cycle.number)))

@@ -11,16 +11,18 @@ from trackmarshal.runtime.contract import EVENT, FOLLOWED, LINES, PLAN, SET, Con
 from trackmarshal.runtime.contract.tracks import elsewhere
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
-from trackmarshal.runtime.door.at_once import AtOnce
+from trackmarshal.runtime.door.at_once import AtOnce, Remembered
 from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
 from trackmarshal.runtime.door.lanes import LanesReader
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.stacks import Stacks
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import NO_ORDERS, NO_SETTINGS, Columns, Frame, Names, Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
 from trackmarshal.runtime.lines import Line
 
+#: Kinds of what nobody can change.
+_FROZEN = {Line, bool, str}
 #: Columns that are still to come.
 LATER = Columns(Names(()), np.zeros((0, 0)))
 
@@ -128,6 +130,18 @@ class SignalsReader:
         for name in self._corridors:
             self._same_track(name, raw.get(name), frame, faults)
 
+    def remembered(self, raw: dict[Any, Any]) -> Remembered | None:
+        """What the lines and events are that were read without a fault, as (name, names within, objects), where nobody can change any of that; else
+        None."""
+        found = []
+        for name in (*self.lines, *self.events):
+            one = raw.get(name)
+            names, objects = (tuple(one), tuple(one.values())) if type(one) is dict else ((), (one,))
+            if not _FROZEN.issuperset(map(type, objects)) or not {str}.issuperset(map(type, names)):
+                return None
+            found.append((name, names, objects))
+        return None if self.lanes else tuple(found)
+
     def _same_track(self, signal: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
         """A fault where the data names a track that the places which rules read are not on."""
         try:
@@ -193,25 +207,28 @@ class CycleReader:
         self._known = contract.known - {PLAN, FOLLOWED}
         #: Whether a signal has the name of a candidate.
         self._called_alike = not self.shared.columns.keys().isdisjoint((DRIVING, EMERGENCY))
+        #: Lines, whether they are closed, and events of the cycle that is remembered.
+        self._others: tuple[dict[tuple[str, str], Line], dict[str, bool], dict[str, int]] = {}, {}, {}
 
     def read(self, cycle: Cycle) -> tuple[Frame, list[Fault]]:
         """The frame of a cycle, and what is wrong with the structure of it: types, what is missing, lengths that differ, misspelt
         names. Number and stamp are not in it."""
         faults: list[Fault] = []
-        if type(cycle.signals) is dict and cycle.signals.keys() <= self._known:
-            signals: dict[Any, Any] = cycle.signals
-            read = self._at_once.read(
-                [cycle.driving, cycle.emergency, *map(signals.get, self.shared.columns)]
-            )
-            if read is not None:
-                columns, arena = read
-                frame = Frame(
-                    None, self.settings, dict(zip(self.shared.columns, columns[2:])), {}, {}, {},
-                    {DRIVING: columns[0], EMERGENCY: columns[1]}, [], NO_ORDERS, arena=arena,
-                )  # fmt: skip
+        signals, others = cycle.signals, self._others
+        if type(signals) is dict:
+            arena = self._at_once.read(cycle.driving, cycle.emergency, signals)
+            if arena is not None and (arena.shape.whole or signals.keys() <= self._known):
+                if arena.shape.unchanged:
+                    return Frame.unread(self.settings, arena, *others), faults
+                frame = Frame.unread(self.settings, arena, {}, {}, {})
                 self.shared.read_others(signals, frame, faults)
+                if self._at_once.remembers and not faults:
+                    self._at_once.remembered = self.shared.remembered(signals)
+                    self._others = frame.lines, frame.closed, frame.events
                 return frame, self._but_known(cycle, faults)
-        return self._closely(cycle, Frame(settings=self.settings), faults)
+        read = self._closely(cycle, Frame(settings=self.settings), faults)
+        self._at_once.learn()
+        return read
 
     def read_all(self, cycles: Sequence[Cycle], passes: Passes) -> list[Read]:
         """The same of many cycles, cheaper: numbers of a signal that are alike in many of them are read and checked together."""

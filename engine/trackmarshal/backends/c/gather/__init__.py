@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import struct
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,72 +17,128 @@ from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.columns import ColumnsReader
-from trackmarshal.runtime.frame import Arena, Columns
+from trackmarshal.runtime.frame import Arena, Shape
+
+#: As gather.c has them: bits of what is said of a cycle, and the first of those that tell which signals have ids.
+_UNCHANGED, _WHOLE, _IDS = 1, 2, 2
+#: More signals than these take a closer look: there is a bit for each.
+_MOST = 60
 
 
 class _Wanted(ctypes.Structure):
     """A `wanted` of gather.c."""
 
-    _fields_ = [(name, ctypes.c_int64) for name in ("width", "record", "most", "least")]
+    _fields_ = [(name, ctypes.c_int64) for name in ("width", "record", "most", "least", "named")]
+
+
+class _Reading(ctypes.Structure):
+    """A `reading` of gather.c."""
+
+    _fields_ = [
+        (name, ctypes.c_int64 if name in ("count", "fields") else ctypes.c_void_p)
+        for name in ("signals", "count", "called", "fields", "names", "defaults", "optional", "types")
+    ]
 
 
 class Gathered(AtOnce):
-    """Reads all signals of columns of a cycle. Raises TrackmarshalError or OSError where C cannot be had."""
+    """Reads all signals of columns of a cycle. Raises TrackmarshalError or OSError where C cannot be had, or objects look otherwise here."""
+
+    remembers = True
 
     def __init__(self, readers: Sequence[ColumnsReader], limits: Limits) -> None:
         super().__init__(readers)
-        self._run = ctypes.PyDLL(str(small_library(Path(__file__).with_name("gather.c")))).gather
-        pointer = ctypes.c_void_p
-        given = ctypes.py_object
-        self._run.argtypes = [given, pointer, ctypes.c_int64, *[pointer] * 4, given, pointer]
-        self._run.restype = ctypes.c_int64
+        if not as_known() or len(readers) > _MOST:
+            raise OSError("objects of Python or numpy are not what they are taken for")
+        library = ctypes.PyDLL(str(small_library(Path(__file__).with_name("gather.c"))))
         widths = [len(reader.names.numbers) for reader in readers]
         most = [
             1 if r.signal.form == RECORD else limits.elements if r.signal.form == SET else limits.samples
             for r in readers
         ]
-        self._wanted = (_Wanted * len(readers))(
-            *(
-                _Wanted(width, reader.signal.form == RECORD, entries, int(reader.signal.form == TIMELINE))
-                for reader, width, entries in zip(readers, widths, most)
-            )
-        )
         fields = [field for reader in readers for field in reader.signal.numbers]
-        #: Interned, so that looking them up compares addresses.
-        self._texts = [sys.intern(name) for reader in readers for name in reader.names.numbers]
-        self._names = np.array([id(text) for text in self._texts], dtype=np.uint64)
-        self._defaults = np.array([0.0 if f.default is None else f.default for f in fields])
-        self._optional = np.array([f.default is not None for f in fields], dtype=np.uint8)
-        self._id = "id"
-        self._types = np.array(
-            [id(one) for one in (dict, np.ndarray, float, np.float64, self._id)], dtype=np.uint64
-        )
-        self._each = [
-            (reader, reader.names, width, reader.signal.form == SET) for reader, width in zip(readers, widths)
+        wanted = [
+            _Wanted(width, s.form == RECORD, entries, s.form == TIMELINE, s.named)
+            for s, width, entries in zip([reader.signal for reader in readers], widths, most)
         ]
-        #: Three words a signal, of which the last is how many entries it has.
-        self._words = bytearray(24 * len(readers))
-        self._counts = memoryview(self._words).cast("q")[2::3]
-        self._room = sum(width * entries for width, entries in zip(widths, most))
-        self._before = (
-            ctypes.addressof(self._wanted), len(readers), self._names.ctypes.data, self._defaults.ctypes.data,
-            self._optional.ctypes.data, self._types.ctypes.data,
-        )  # fmt: skip
-        self._after = ctypes.addressof(ctypes.c_char.from_buffer(self._words))
+        types = [
+            dict,
+            list,
+            tuple,
+            str,
+            np.ndarray,
+            float,
+            np.float64,
+            np.dtype(np.float64),
+            sys.intern("id"),
+        ]
+        # Interned, so that looking them up compares addresses.
+        called = [sys.intern(name) for name in self._called]
+        names = [sys.intern(name) for reader in readers for name in reader.names.numbers]
+        arrays: list[Any] = [
+            (_Wanted * len(wanted))(*wanted), _addresses(called), _addresses(names), _addresses(types),
+            (ctypes.c_double * len(fields))(*(0.0 if f.default is None else f.default for f in fields)),
+            (ctypes.c_ubyte * len(fields))(*(f.default is not None for f in fields)),
+        ]  # fmt: skip
+        signals, by_name, by_field, by_type, defaults, optional = map(ctypes.addressof, arrays)
+        reading = _Reading(signals, len(wanted), by_name, len(fields), by_field, defaults, optional, by_type)
+        #: All that C has the addresses of.
+        self._kept = (called, names, types, arrays, reading)
+        library.made.restype, library.made.argtypes = ctypes.py_object, [ctypes.c_void_p]
+        self._run: Callable[..., bytes | None] = library.made(ctypes.addressof(reading))
+        self.learn()
 
-    def _read(self, raws: list[Any]) -> tuple[list[Columns], Arena] | None:
-        numbers = np.empty(self._room)
-        if self._run(raws, *self._before, numbers, self._after) < 0:
+    def learn(self) -> None:
+        #: The ids of each signal, and shapes by what C says of a cycle.
+        self._known = tuple(reader.known_ids for reader in self._readers)
+        self._shapes: dict[bytes, Shape] = {}
+
+    def read(self, driving: Any, emergency: Any, signals: dict[Any, Any]) -> Arena | None:
+        if not self._fits:
             return None
-        numbers.setflags(write=False)
-        made, at = [], 0
-        for (reader, names, width, is_set), raw, count in zip(self._each, raws, self._counts):
-            ids = reader.ids_of(raw, count) if is_set else ()
-            if ids is None:
-                return None
-            made.append(Columns.within(names, numbers, at, count, ids))
-            at += width * count
-        return made, Arena(numbers, bytes(self._words))
+        data = self._run(driving, emergency, signals, self._known, self.remembered)
+        if data is None:
+            return None
+        shape = self._shapes.get(data[:8])
+        if shape is None:
+            shape = self._shapes[data[:8]] = self._shape(int.from_bytes(data[:8], sys.byteorder))
+        return Arena(data, shape)
+
+    def _shape(self, said: int) -> Shape:
+        """What C says of a cycle: a bit for each signal that has ids, and more."""
+        ids = tuple(
+            () if reader.signal.form != SET else known if said >> (_IDS + place) & 1 else None
+            for place, (reader, known) in enumerate(zip(self._readers, self._known))
+        )
+        return Shape(self._called, self._names, ids, bool(said & _UNCHANGED), bool(said & _WHOLE))
+
+
+def _addresses(objects: Sequence[object]) -> Any:
+    return (ctypes.c_void_p * len(objects))(*map(id, objects))
+
+
+def as_known() -> bool:
+    """Whether Python's objects and numpy's arrays look as gather.c takes them to look."""
+    head, pointer = object.__basicsize__, ctypes.sizeof(ctypes.c_void_p)
+    if head != 2 * pointer:
+        return False
+    probe, swapped = np.zeros((3, 2))[:, 1], np.dtype(np.float64).newbyteorder()
+    _, kind, data, ndim, shape, strides, base, dtype = struct.unpack_from("@nPPiPPPP", _memory(probe))
+    if (kind, data, ndim, base, dtype) != (
+        id(np.ndarray),
+        probe.ctypes.data,
+        1,
+        id(probe.base),
+        id(probe.dtype),
+    ):
+        return False
+    sizes = [ctypes.c_ssize_t.from_address(at).value for at in (shape, strides)]
+    orders = [struct.unpack_from("@nPPccc", _memory(one))[-3:] for one in (probe.dtype, swapped)]
+    order = b"<" if sys.byteorder == "big" else b">"
+    return sizes == [3, 16] and orders == [(b"f", b"d", b"="), (b"f", b"d", order)]
+
+
+def _memory(one: object) -> bytes:
+    return ctypes.string_at(id(one), type(one).__basicsize__)
 
 
 def fastest(readers: Sequence[ColumnsReader], limits: Limits) -> AtOnce:
