@@ -21,7 +21,8 @@ ALLOWANCE = 1.01
 POSE = ("pose_match", "pose_on_path", "stamp_match", "place_match", "heading_match", "speed_match")
 RULES = (
     *POSE, "friction", "turn_radius", "drive_acceleration", "braking_limit", "ends_at_rest", "speed_limit", "no_reversing",
-    "arc_length_integrity", "heading_integrity", "curvature_integrity", "acceleration_integrity", "A-LOCALISATION", "A-FRICTION",
+    "arc_length_integrity", "heading_integrity", "curvature_integrity", "acceleration_integrity",
+    "pace_integrity", "speed_integrity", "A-LOCALISATION", "A-FRICTION",
 )  # fmt: skip
 
 

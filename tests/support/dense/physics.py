@@ -25,8 +25,15 @@ def between(columns: Columns, car: Car) -> dict[str, bool]:
     square = _linear(np.square(v) * np.sign(v), part.share)
     speed = np.sign(square) * np.sqrt(np.abs(square))
     found = _exceeded(speed, _linear(a, part.share), part.kappa, car)
+    # Of steps that hardly go anywhere, a centimetre counts.
+    needed = np.abs(np.diff(np.square(v))) / (2.0 * np.maximum(curve.chords(columns), 0.01))
+    most = car.grip + car.air(np.maximum(np.abs(v[:-1]), np.abs(v[1:])))
     # Whoever leaves drag out of what brakes do is more cautious.
-    return {**found, "brakes": bool((a < -car.brakes).any())}
+    return {
+        **found,
+        "brakes": bool((a < -car.brakes).any()),
+        "speed jumps": bool((needed > most).any()),
+    }
 
 
 def _linear(values: Floats, share: Floats) -> Floats:
