@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from support.cycles import cycle, mutate
-from support.supervised import shipped
+from support.supervised import Clock, shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.gather import Gathered
 from trackmarshal.runtime.contract import of_cycles
@@ -20,6 +20,8 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.at_once import AtOnce
 from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.door.reading import CycleReader
+from trackmarshal.runtime.faults import name_of
+from trackmarshal.supervision import supervisor
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
@@ -118,6 +120,38 @@ def test_defaults_and_unknown_names() -> None:
     ):
         found = {name: seen(reader, given) for name, reader in made.items()}
         assert found["C"] == found["numpy"] == found["by signal"]
+
+
+def fewer(given: Cycle, ids: list[str]) -> Cycle:
+    """With these very ids, and one object less than they are."""
+    columns = {name: column[:-1] for name, column in given.signals["objects"].items()}
+    return replace(given, signals={**given.signals, "objects": {**columns, "id": ids}})
+
+
+@pytest.mark.parametrize("objects", [1, 2, 5])
+def test_known_ids_of_more_elements_than_there_are(objects: int) -> None:
+    ids = cycle(0, objects).signals["objects"]["id"]
+    wanted = ("wrong_length", "objects", "id", objects - 1)
+    for name, reader in readers().items():
+        for number in range(2):
+            whole = cycle(number, objects)
+            whole.signals["objects"]["id"] = ids
+            frame, faults = reader.read(whole)
+            assert not faults
+            assert (frame.arena is None) == (name == "by signal" or number == 0), name
+        faults = reader.read(fewer(cycle(2, objects), ids))[1]
+        assert [(name_of(one), one.signal, one.field, one.index) for one in faults] == [wanted], name
+    for backend in ("c", "numpy", "reference"):
+        clock = Clock()
+        made = supervisor(shipped(), backend=backend, clock=clock)
+        for number in range(3):
+            given = cycle(number, objects)
+            given.signals["objects"]["id"] = ids
+            clock.now = given.t
+            decision = made.step(given if number < 2 else fewer(given, ids))
+            assert decision.safe == (number < 2), backend
+        faults = list(decision.faults)
+        assert [(name_of(one), one.signal, one.field, one.index) for one in faults] == [wanted], backend
 
 
 def test_borders_are_those_of_the_cycle() -> None:

@@ -165,13 +165,15 @@ class Layout:
         #: The bytes that the stream begins with.
         self.schema = bytes(_message(_SCHEMA, _of(("h", 0), fields, metadata)))
         nodes = sum(2 if kind in (FLOATS, TEXTS) else 1 for _, kind in every)
-        buffers = sum({INT: 2, FLOAT: 2, TEXT: 3, FLOATS: 4, TEXTS: 5}[kind] for _, kind in every)
+        buffers = sum(_BUFFERS[kind] for _, kind in every)
         places: list[int] = []
         batch = _of(("q", 1), _pairs(nodes, places.append), _pairs(buffers, places.append))
         marked = _message(_BATCH, batch, 0x5A5A5A5A5A5A5A5A)
         self._length_at = marked.index(b"\x5a" * 8)
         struct.pack_into("<q", marked, self._length_at, 0)
         self._template = bytes(marked)
+        #: Where in a row's bytes its body begins, with the checksum.
+        self.body = len(marked)
         self._nodes_at, self._buffers_at = (place + 8 for place in places)
         self._nodes = struct.Struct(f"<{2 * nodes}q")
         self._buffers = struct.Struct(f"<{2 * buffers}q")
@@ -205,6 +207,12 @@ class Layout:
                 self._shapes.clear()
             shape = self._shapes[key] = self._shaped(lengths)
         return shape.filled(given)
+
+    def places(self, row: bytes) -> list[int]:
+        """Where in a row's bytes the values of each column begin."""
+        begins = self._buffers.unpack_from(row, self._buffers_at)[::2]
+        ends = list(accumulate(_BUFFERS[kind] for kind in self._kinds))
+        return [self.body + begins[end - 1] for end in ends[1:]]
 
     def _shaped(self, lengths: Sequence[Any]) -> _Shape:
         """How rows look whose arrays and texts are of these lengths, in bytes."""
@@ -335,6 +343,8 @@ class Row:
     end: int
 
 
+#: How many buffers a column has; the last one has the values.
+_BUFFERS = {INT: 2, FLOAT: 2, TEXT: 3, FLOATS: 4, TEXTS: 5}
 _INT, _FLOAT, _SPAN = struct.Struct("<q"), struct.Struct("<d"), struct.Struct("<ii")
 #: As it stands in the file, whatever the machine.
 _DOUBLE = np.dtype("<f8")

@@ -181,12 +181,22 @@ class Arena(NamedTuple):
     data: bytes
     shape: Shape
 
+    @property
+    def begin(self) -> int:
+        """Where the numbers begin."""
+        return 8 + 24 * len(self.shape.names)
+
+    @property
+    def counts(self) -> list[int]:
+        """How many entries each signal has."""
+        return memoryview(self.data)[: self.begin].cast("q").tolist()[3::3]
+
     def columns(self) -> list[Columns]:
         """Of each signal, the candidates first."""
         import numpy as np
 
         made, (data, shape) = [], self
-        words = memoryview(data)[: 8 + 24 * len(shape.names)].cast("q")
+        words = memoryview(data)[: self.begin].cast("q")
         numbers = np.frombuffer(data, np.float64)
         for names, ids, begin, count in zip(shape.names, shape.ids, words[1::3], words[3::3]):
             known = tuple(map(str, range(count))) if ids is None else ids

@@ -48,6 +48,15 @@ def advisory(rules: Sequence[RuleInfo]) -> frozenset[int]:
     return frozenset(place for place, rule in enumerate(rules) if rule.advisory)
 
 
+class Copied(Mapping[str, Rated]):
+    """The outcomes of both candidates, driving first, as memory that was copied: verdicts, a code a rule, and margins, native float64."""
+
+    __slots__ = ("margins", "verdicts")
+
+    def __init__(self, verdicts: bytes, margins: bytes) -> None:
+        self.verdicts, self.margins = verdicts, margins
+
+
 class Judged(NamedTuple):
     """The outcome of one frame: of which one, and by candidate ('' for a case)."""
 

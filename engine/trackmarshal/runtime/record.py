@@ -37,12 +37,11 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
+from trackmarshal.runtime.stencil import Stencils, letters
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
 VERSION = 2
-#: A letter for each verdict code, and for no other.
-_SPELLED = b"svuio".ljust(256, b"\xff")
 _TIMES: tuple[Column, ...] = (
     ("number", INT),
     ("t", FLOAT),
@@ -92,6 +91,8 @@ class Record:
         self._missed = 0
         #: How many cycles there were, which the last row says.
         self._cycles = 0
+        #: Whether the file may be longer than that.
+        self._longer = False
         head = {
             "format": FORMAT,
             "version": VERSION,
@@ -101,6 +102,13 @@ class Record:
         }
         head["inputs"] = [list(one) for one in self._inputs]
         self._layout = Layout(_columns(self._inputs), head)
+        places = enumerate(self._inputs, len(_TIMES) + 1)
+        self._stencils = Stencils(
+            self._layout,
+            {at: (part == "plan", signal, field) for at, (part, signal, field, _) in places if part in ("plan", "column", "number")},
+            [signal for part, signal, *_ in self._inputs if part == "closed"],
+            [signal for part, signal, *_ in self._inputs if part == "event"],
+        )  # fmt: skip
         try:
             self._file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND, 0o644)
             self._write(self._layout.schema)
@@ -120,17 +128,14 @@ class Record:
         times = [number, decision.t, *readings, self._missed]
         self._missed += 1  # until it is written
         self._cycles += 1
-        outcome = decided(decision)
-        row = b""
+        row: bytes | bytearray = b""
         kept = self._kept
         if frame is not None and self._plain and not decision.faults:
-            try:
-                row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
-                kept = frame.lines
-            except ValueError:  # an id that is no text; JSON can spell it
-                row = b""
+            row = self._row(times, frame, decision)
+            kept = frame.lines if row else kept
         if not row:
-            row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
+            raw = json.dumps(_plain(cycle))
+            row = self._layout.batch([*times, raw, *_empty(self._inputs), *decided(decision)])
         try:
             self._write(row)
         except OSError:
@@ -165,10 +170,11 @@ class Record:
             os.close(self._file)
             self._file = -1
 
-    def _write(self, data: bytes) -> None:
+    def _write(self, data: bytes | bytearray) -> None:
         """Write all of it, or nothing: what was written of it is cut off again."""
-        if os.fstat(self._file).st_size > self._end:
+        if self._longer:
             os.ftruncate(self._file, self._end)  # that could not be done when it was written
+        self._longer = True
         view = memoryview(data)
         try:
             while view:
@@ -178,8 +184,23 @@ class Record:
                 os.ftruncate(self._file, self._end)
             raise
         self._end += len(data)
+        self._longer = False
         if self._sync:
             os.fsync(self._file)
+
+    def _row(self, times: list[Any], frame: Frame, decision: Decision) -> bytes | bytearray:
+        """The row of a cycle that passed the door; empty for one with an id that is no text, which JSON can spell."""
+
+        def whole() -> bytes:
+            outcome = decided(decision)
+            try:
+                return self._layout.batch([*times, "", *self._passed(frame), *outcome])
+            except ValueError:
+                return b""
+
+        lines, kept = frame.lines, self._kept
+        same = lines is kept or all(line is kept.get(place) for place, line in lines.items())
+        return self._stencils.row(times, frame, decision, whole) if same else whole()
 
     def _passed(self, frame: Frame) -> list[Any]:
         """The columns of what passed the door."""
@@ -222,7 +243,7 @@ def decided(decision: Decision) -> list[Any]:
         for v in decision.violations
     ]  # fmt: skip
     rated = [judged.rated[name] for name in (DRIVING, EMERGENCY)] if judged else []
-    verdicts = [_letters(one.verdicts) for one in rated] or ["", ""]
+    verdicts = [letters(one.verdicts) for one in rated] or ["", ""]
     margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
@@ -237,10 +258,6 @@ def _dumped(reasons: list[Any]) -> str:
 def decided_by_name(decision: Decision) -> dict[str, Any]:
     """A decision by the names of its columns."""
     return {name: value for (name, _), value in zip(_DECISION, decided(decision))}
-
-
-def _letters(codes: bytes) -> str:
-    return codes.translate(_SPELLED).decode("ascii")
 
 
 # Reading ----------------------------------------------------------------------------------------------------------

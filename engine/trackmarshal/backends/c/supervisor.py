@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from functools import cached_property, partial
 from typing import Any
@@ -28,7 +28,7 @@ from trackmarshal.runtime.faults import NAMES, Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.program import Judged, Rated, advisory
+from trackmarshal.runtime.program import Copied, Judged, Rated, advisory
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
 from trackmarshal.runtime.supervisor import Recorder, advisories, incomplete, internal, named_rules
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
@@ -37,13 +37,10 @@ from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 _NOTHING, _THIS, _STORED = range(3)
 
 
-class _Said(Mapping[str, Rated]):
-    """What C said of both candidates, copied, and taken apart when somebody asks: of most cycles, nobody does.
+class _Said(Copied):
+    """What C said of both candidates, taken apart when somebody asks: of most cycles, nobody does."""
 
-    verdicts, margins: (2, rules) int8 and float64, driving first.
-    """
-
-    __slots__ = ("_advisory", "_both", "_explain", "_frame", "_margins", "_verdicts")
+    __slots__ = ("_advisory", "_both", "_explain", "_frame")
 
     def __init__(
         self,
@@ -53,8 +50,8 @@ class _Said(Mapping[str, Rated]):
         verdicts: bytes,
         margins: bytes,
     ) -> None:
+        super().__init__(verdicts, margins)
         self._explain, self._advisory, self._frame = explain, advisory, frame
-        self._verdicts, self._margins = verdicts, margins
         self._both: dict[str, Rated] | None = None
 
     def __getitem__(self, name: str) -> Rated:
@@ -69,9 +66,9 @@ class _Said(Mapping[str, Rated]):
         return 2
 
     def _rated(self, place: int, candidate: str) -> Rated:
-        count = len(self._verdicts) // 2
-        verdicts = self._verdicts[place * count : (place + 1) * count]
-        margins = np.frombuffer(self._margins, dtype=np.float64)[place * count : (place + 1) * count]
+        count = len(self.verdicts) // 2
+        verdicts = self.verdicts[place * count : (place + 1) * count]
+        margins = np.frombuffer(self.margins, dtype=np.float64)[place * count : (place + 1) * count]
         explain = partial(self._explain, self._frame, candidate, verdicts, margins)
         return Rated(verdicts, margins, explain, self._advisory)
 
