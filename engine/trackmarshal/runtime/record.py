@@ -2,6 +2,7 @@
 
 An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 
+- `row`: how many rows come before it in the file, whatever they are (records before version 3 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
@@ -40,9 +41,12 @@ from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
-VERSION = 2
+VERSION = 3
+#: Of version 2, rows do not say their places.
+_KNOWN = (2, VERSION)
 #: A letter for each verdict code, and for no other.
 _SPELLED = b"svuio".ljust(256, b"\xff")
+_ROW: Column = ("row", INT)
 _TIMES: tuple[Column, ...] = (
     ("number", INT),
     ("t", FLOAT),
@@ -90,6 +94,8 @@ class Record:
         #: How long the file is up to its last whole row, and cycles since then that could not be written.
         self._end = 0
         self._missed = 0
+        #: How many rows the file has.
+        self._rows = 0
         #: How many cycles there were, which the last row says.
         self._cycles = 0
         head = {
@@ -125,14 +131,15 @@ class Record:
         kept = self._kept
         if frame is not None and self._plain and not decision.faults:
             try:
-                row = self._layout.batch([*times, "", *self._passed(frame), *outcome])
+                row = self._layout.batch([self._rows, *times, "", *self._passed(frame), *outcome])
                 kept = frame.lines
             except ValueError:  # an id that is no text; JSON can spell it
                 row = b""
         if not row:
-            row = self._layout.batch([*times, json.dumps(_plain(cycle)), *_empty(self._inputs), *outcome])
+            raw = json.dumps(_plain(cycle))
+            row = self._layout.batch([self._rows, *times, raw, *_empty(self._inputs), *outcome])
         try:
-            self._write(row)
+            self._add(row)
         except OSError:
             self._kept = {}  # whoever reads the next row has no border from this one
             raise
@@ -148,9 +155,8 @@ class Record:
 
     def _beside(self, part: str) -> None:
         """A part of a snapshot, in a row that is no cycle. Where the disk refuses it, that snapshot is none: the cycles are whole."""
-        times = [-1, math.nan, math.nan, math.nan, 0]
         try:
-            self._write(self._layout.batch([*times, part, *_empty(self._inputs), *_empty_decision()]))
+            self._add(self._no_cycle(-1, 0, part))
         except OSError:
             self._snapshots.drop()
 
@@ -159,11 +165,19 @@ class Record:
         if self._file >= 0:
             for part in self._snapshots.rest():
                 self._beside(part)
-            times = [self._cycles, math.nan, math.nan, math.nan, self._missed]
-            self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
+            self._add(self._no_cycle(self._cycles, self._missed, ""))
             self._write(END)
             os.close(self._file)
             self._file = -1
+
+    def _no_cycle(self, number: int, missed: int, raw: str) -> bytes:
+        """A row without a decision."""
+        times = [number, math.nan, math.nan, math.nan, missed]
+        return self._layout.batch([self._rows, *times, raw, *_empty(self._inputs), *_empty_decision()])
+
+    def _add(self, row: bytes) -> None:
+        self._write(row)
+        self._rows += 1
 
     def _write(self, data: bytes) -> None:
         """Write all of it, or nothing: what was written of it is cut off again."""
@@ -290,9 +304,11 @@ def read(data: bytes, shown: str) -> Run:
             help="nothing can be read from it",
         )
     layout, head = found
-    if head.get("format") != FORMAT or head.get("version") != VERSION:
-        message = f"{head.get('format')!r:.40}, version {head.get('version')!r:.40}"
-        raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {VERSION}")
+    version = head.get("version")
+    if head.get("format") != FORMAT or type(version) is not int or version not in _KNOWN:
+        message = f"{head.get('format')!r:.40}, version {version!r:.40}"
+        known = " and ".join(map(str, _KNOWN))
+        raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {known}")
     try:
         given: dict[str, Any] = {n: float(v) if isinstance(v, str) else v for n, v in head["limits"].items()}
         limits = Limits(**given)
@@ -300,30 +316,36 @@ def read(data: bytes, shown: str) -> Run:
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
-        if layout.columns != tuple(_columns(inputs)):
+        places = version >= VERSION
+        if layout.columns != tuple(_columns(inputs, places)):
             raise ValueError("its columns are not those of its inputs")
     except (KeyError, TypeError, ValueError, TrackmarshalError) as error:
         raise TrackmarshalError(
             "D162", "the head of the record lacks what it should say", file=shown, help=str(error)
         ) from error
-    cycles = []
+    cycles: list[Recorded] = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
     missed = 0
     snapshots = Parts()
     counted: int | None = None
-    for row in layout.rows(data):
+    gone = ""
+    for place, row in enumerate(layout.rows(data)):
+        values = row.values[1:] if places else row.values
+        if places and row.values[0] != place and not gone:
+            gone = f"where row {place} should be, behind {len(cycles)} cycles, is row {row.values[0]}: rows are gone, or not its own"
         try:
-            missed += int(row.values[len(_TIMES) - 1])
-            if row.values[-len(_DECISION)]:
-                cycles.append(_recorded(row.values, inputs, kept))
-            elif row.values[len(_TIMES)]:
-                snapshots.add(row.values[len(_TIMES)], len(cycles))
-            else:
-                counted = int(row.values[0])
+            missed += int(values[len(_TIMES) - 1])
+            if values[-len(_DECISION)]:
+                cycles.append(_recorded(values, inputs, kept))
+            elif not values[len(_TIMES)]:
+                counted = int(values[0])
+            elif not gone:  # what comes after a gap is of cycles that are counted otherwise
+                snapshots.add(values[len(_TIMES)], len(cycles))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
-            raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
+            help_ = gone or "it was not written here"
+            raise TrackmarshalError("D162", message, file=shown, help=help_) from error
         end = row.end
     rest = data[end:]
     ended = rest == END
@@ -335,6 +357,8 @@ def read(data: bytes, shown: str) -> Run:
             "does not say after how many it was closed" if counted is None else f"was closed after {counted}"
         )
         damage = f"it has {len(cycles) + missed} cycles, and {closed}: rows are gone, or not its own"
+    else:
+        damage = gone
     return Run(
         identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
     )  # fmt: skip
@@ -421,8 +445,15 @@ def _all_si(contract: Contract) -> bool:
     )
 
 
-def _columns(inputs: list[_Input]) -> list[Column]:
-    return [*_TIMES, ("raw", TEXT), *((_name(one), one[3]) for one in inputs), *_DECISION]
+def _columns(inputs: list[_Input], places: bool = True) -> list[Column]:
+    """All columns of a record; places: whether its rows say theirs."""
+    return [
+        *([_ROW] if places else []),
+        *_TIMES,
+        ("raw", TEXT),
+        *((_name(one), one[3]) for one in inputs),
+        *_DECISION,
+    ]
 
 
 def _name(one: _Input) -> str:
