@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import struct
 from pathlib import Path
@@ -15,6 +16,9 @@ from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
+
+#: Five cycles of a small spec, the third missing, with snapshots after two and four; written when rows did not say their places yet.
+OLD = Path(__file__).parent / "version_2.arrows.gz"
 
 
 @pytest.fixture
@@ -113,6 +117,84 @@ def test_a_record_that_is_not_what_was_written(
     status, _, err = replay(capsys, str(record))
     assert status == 1
     assert run.damage in err
+
+
+def taken_apart(data: bytes) -> tuple[bytes, list[bytes]]:
+    """The head of a record and its rows, as bytes."""
+    found = layout_of(data)
+    assert found is not None
+    ends = [len(found[0].schema), *(row.end for row in found[0].rows(data))]
+    return data[: ends[0]], [data[begin:end] for begin, end in zip(ends, ends[1:])]
+
+
+@pytest.mark.parametrize("gone", [(0,), (0, 1), (0, 1, 2, 3), (2,), (1, 2), (3,)])
+def test_rows_that_are_gone_from_a_record_that_was_never_closed(
+    record: Path, capsys: pytest.CaptureFixture[str], gone: tuple[int, ...]
+) -> None:
+    head, rows = taken_apart(record.read_bytes())
+    kept = [row for place, row in enumerate(rows[:-1]) if place not in gone]
+    record.write_bytes(head + b"".join(kept))
+    run = read(record.read_bytes(), "cut")
+    assert not run.ended
+    assert len(run.cycles) == 5 - len(gone)
+    assert f"where row {gone[0]} should be" in run.damage
+    status, out, err = replay(capsys, str(record))
+    assert status == 1
+    assert "not closed" in out
+    assert run.damage in err
+    assert run.damage in tm.load_recording(record).notes
+
+
+def test_a_record_that_was_never_closed_and_lacks_its_end_is_whole_before(record: Path) -> None:
+    """A killed run leaves this: nothing tells it from one that ended there."""
+    head, rows = taken_apart(record.read_bytes())
+    for count in range(len(rows)):
+        assert read(head + b"".join(rows[:count]), "cut").damage == ""
+
+
+def test_no_snapshot_is_taken_for_one_of_other_cycles_where_rows_are_gone(tmp_path: Path) -> None:
+    path, now = tmp_path / "run.arrows", 0.0
+    spec = tm.load([ROOT / "specs" / "supervisor"])
+    supervisor = tm.supervisor(spec, ["speed_limit"], clock=lambda: now, record=path, snapshots=2)
+    for number in range(6):
+        now = number * PERIOD
+        supervisor.step(cycle(number))
+    head, rows = taken_apart(path.read_bytes())
+    assert [one.after for one in read(path.read_bytes(), "whole").snapshots] == [2, 4]
+    run = read(head + b"".join(rows[1:]), "cut")
+    assert "where row 0 should be" in run.damage
+    assert run.snapshots == ()
+
+
+def test_a_border_that_came_in_a_row_that_is_gone(tmp_path: Path) -> None:
+    path, now = tmp_path / "run.arrows", 0.0
+    spec = tm.load([ROOT / "specs" / "supervisor"])
+    supervisor = tm.supervisor(spec, ["static_collision"], clock=lambda: now, record=path)
+    for number in range(3):
+        now = number * PERIOD
+        supervisor.step(cycle(number))
+    head, rows = taken_apart(path.read_bytes())
+    with pytest.raises(TrackmarshalError) as caught:
+        read(head + b"".join(rows[1:]), "cut")
+    assert caught.value.code == "D162"
+    assert "where row 0 should be" in (caught.value.help or "")
+
+
+def test_records_of_version_2_are_read() -> None:
+    data = gzip.decompress(OLD.read_bytes())
+    run = read(data, "old")
+    assert (run.ended, run.rest, run.missed, run.damage) == (True, 0, 0, "")
+    assert [one.after for one in run.snapshots] == [2, 4]
+    assert [one.value("state") for one in run.cycles] == [
+        "drive", "drive", "previous_emergency", "no_safe_trajectory", "drive",
+    ]  # fmt: skip
+    assert [None if one.cycle is None else one.cycle.signals["ego"]["v"] for one in run.cycles] == [
+        10.0, 11.0, None, 13.0, 14.0,
+    ]  # fmt: skip
+    assert [one.readings[0] for one in run.cycles] == [0.0, 0.1, 0.2, 0.3, 0.4]
+    head, rows = taken_apart(data)
+    closed = read(head + b"".join([*rows[:-2], rows[-1]]) + END, "old")
+    assert "closed after 5" in closed.damage
 
 
 def test_cut_off_in_the_head(record: Path, capsys: pytest.CaptureFixture[str]) -> None:

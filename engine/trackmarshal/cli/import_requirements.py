@@ -32,13 +32,16 @@ def run(args: argparse.Namespace) -> int:
     project = load(root)[0] if root is not None and (root / "requirements").is_dir() else None
     written = {_from(root, target) for target in targets} if root is not None else set()
     found += exchange.check(documents, project, written)
+    there = [target for target in targets if os.path.lexists(target)]
+    found += exchange.lost(
+        documents, [(one, str(one) if root is None else _from(root, one)) for one in there]
+    )
     for finding in dict.fromkeys(found):
         if finding.level == "error" or not args.quiet:
             say(*str(finding).split("\n"), file=sys.stderr)
     if any(finding.level == "error" for finding in found):
         return 2
     texts = {target: exchange.yaml(document) for target, document in zip(targets, documents)}
-    there = [target for target in texts if os.path.lexists(target)]
     if there and not args.force:
         raise TrackmarshalError(
             "E412",

@@ -27,6 +27,15 @@ class Violation(NamedTuple):
     #: Looks for what decided; takes longer than a cycle has.
     explain: Callable[[], RuleResult]
 
+    def __copy__(self) -> Violation:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Violation:
+        return self
+
+    def __reduce__(self) -> str:
+        raise _not_pickled("violation")
+
     @property
     def witness(self) -> Witness | None:
         """What decided, and where; looked for when it is asked for."""
@@ -69,6 +78,15 @@ class Decision(NamedTuple):
     judged: Judged | None
     advisories: tuple[Violation, ...] = ()
 
+    def __copy__(self) -> Decision:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Decision:
+        return self  # nobody changes it, or what it refers to
+
+    def __reduce__(self) -> str:
+        raise _not_pickled("decision")
+
     @property
     def action(self) -> str:
         """What is driven, in the words of `replay`: drive, previous_emergency or no_safe_trajectory."""
@@ -95,3 +113,11 @@ class Decision(NamedTuple):
         from trackmarshal.runtime.feedback import feedback
 
         return feedback(self)
+
+
+def _not_pickled(what: str) -> TypeError:
+    """The error of who pickles what looks for its witnesses in the evaluator that it is from."""
+    return TypeError(
+        f"a {what} is not pickled, as its evaluator explains it: keep `decision.feedback`, which is plain data, or let the Supervisor "
+        "write its record (`record=`)"
+    )

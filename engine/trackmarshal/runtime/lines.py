@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,6 +37,18 @@ class Line:
 
     def __len__(self) -> int:
         return len(self.points)
+
+    def __copy__(self) -> Line:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Line:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Read anew, where it comes from a pickle: into memory that nobody can write to, under a number of its own.
+        from trackmarshal.runtime.door.lines import line
+
+        return line, (self.points,)
 
     @cached_property
     def tuples(self) -> tuple[Point, ...]:

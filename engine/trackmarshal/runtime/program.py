@@ -63,6 +63,9 @@ class Judged(NamedTuple):
     about: Frame
     rated: Mapping[str, Rated]
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Judged:
+        return self  # what explains it belongs to the program, and no program is copied
+
 
 @dataclass(frozen=True, slots=True)
 class Memory:

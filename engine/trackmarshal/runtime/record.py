@@ -2,6 +2,7 @@
 
 An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 
+- `row`: how many rows come before it in the file, whatever they are (records before version 3 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
@@ -41,7 +42,10 @@ from trackmarshal.runtime.stencil import Stencils, letters
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
-VERSION = 2
+VERSION = 3
+#: Of version 2, rows do not say their places.
+_KNOWN = (2, VERSION)
+_ROW: Column = ("row", INT)
 _TIMES: tuple[Column, ...] = (
     ("number", INT),
     ("t", FLOAT),
@@ -89,6 +93,8 @@ class Record:
         #: How long the file is up to its last whole row, and cycles since then that could not be written.
         self._end = 0
         self._missed = 0
+        #: How many rows the file has.
+        self._rows = 0
         #: How many cycles there were, which the last row says.
         self._cycles = 0
         #: Whether the file may be longer than that.
@@ -102,7 +108,7 @@ class Record:
         }
         head["inputs"] = [list(one) for one in self._inputs]
         self._layout = Layout(_columns(self._inputs), head)
-        places = enumerate(self._inputs, len(_TIMES) + 1)
+        places = enumerate(self._inputs, len(_TIMES) + 2)  # behind the row, and what came in
         self._stencils = Stencils(
             self._layout,
             {at: (part == "plan", signal, field) for at, (part, signal, field, _) in places if part in ("plan", "column", "number")},
@@ -125,7 +131,7 @@ class Record:
         """One more row. Raises OSError where the disk refuses it; the file then ends with the row before, and the next row that can be
         written says how many are missing."""
         number = -1 if decision.number is None else decision.number
-        times = [number, decision.t, *readings, self._missed]
+        times = [self._rows, number, decision.t, *readings, self._missed]
         self._missed += 1  # until it is written
         self._cycles += 1
         row: bytes | bytearray = b""
@@ -137,7 +143,7 @@ class Record:
             raw = json.dumps(_plain(cycle))
             row = self._layout.batch([*times, raw, *_empty(self._inputs), *decided(decision)])
         try:
-            self._write(row)
+            self._add(row)
         except OSError:
             self._kept = {}  # whoever reads the next row has no border from this one
             raise
@@ -153,9 +159,8 @@ class Record:
 
     def _beside(self, part: str) -> None:
         """A part of a snapshot, in a row that is no cycle. Where the disk refuses it, that snapshot is none: the cycles are whole."""
-        times = [-1, math.nan, math.nan, math.nan, 0]
         try:
-            self._write(self._layout.batch([*times, part, *_empty(self._inputs), *_empty_decision()]))
+            self._add(self._no_cycle(-1, 0, part))
         except OSError:
             self._snapshots.drop()
 
@@ -164,11 +169,19 @@ class Record:
         if self._file >= 0:
             for part in self._snapshots.rest():
                 self._beside(part)
-            times = [self._cycles, math.nan, math.nan, math.nan, self._missed]
-            self._write(self._layout.batch([*times, "", *_empty(self._inputs), *_empty_decision()]))
+            self._add(self._no_cycle(self._cycles, self._missed, ""))
             self._write(END)
             os.close(self._file)
             self._file = -1
+
+    def _no_cycle(self, number: int, missed: int, raw: str) -> bytes:
+        """A row without a decision."""
+        times = [self._rows, number, math.nan, math.nan, math.nan, missed]
+        return self._layout.batch([*times, raw, *_empty(self._inputs), *_empty_decision()])
+
+    def _add(self, row: bytes | bytearray) -> None:
+        self._write(row)
+        self._rows += 1
 
     def _write(self, data: bytes | bytearray) -> None:
         """Write all of it, or nothing: what was written of it is cut off again."""
@@ -307,9 +320,11 @@ def read(data: bytes, shown: str) -> Run:
             help="nothing can be read from it",
         )
     layout, head = found
-    if head.get("format") != FORMAT or head.get("version") != VERSION:
-        message = f"{head.get('format')!r:.40}, version {head.get('version')!r:.40}"
-        raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {VERSION}")
+    version = head.get("version")
+    if head.get("format") != FORMAT or type(version) is not int or version not in _KNOWN:
+        message = f"{head.get('format')!r:.40}, version {version!r:.40}"
+        known = " and ".join(map(str, _KNOWN))
+        raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {known}")
     try:
         given: dict[str, Any] = {n: float(v) if isinstance(v, str) else v for n, v in head["limits"].items()}
         limits = Limits(**given)
@@ -317,30 +332,36 @@ def read(data: bytes, shown: str) -> Run:
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
-        if layout.columns != tuple(_columns(inputs)):
+        places = version >= VERSION
+        if layout.columns != tuple(_columns(inputs, places)):
             raise ValueError("its columns are not those of its inputs")
     except (KeyError, TypeError, ValueError, TrackmarshalError) as error:
         raise TrackmarshalError(
             "D162", "the head of the record lacks what it should say", file=shown, help=str(error)
         ) from error
-    cycles = []
+    cycles: list[Recorded] = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
     missed = 0
     snapshots = Parts()
     counted: int | None = None
-    for row in layout.rows(data):
+    gone = ""
+    for place, row in enumerate(layout.rows(data)):
+        values = row.values[1:] if places else row.values
+        if places and row.values[0] != place and not gone:
+            gone = f"where row {place} should be, behind {len(cycles)} cycles, is row {row.values[0]}: rows are gone, or not its own"
         try:
-            missed += int(row.values[len(_TIMES) - 1])
-            if row.values[-len(_DECISION)]:
-                cycles.append(_recorded(row.values, inputs, kept))
-            elif row.values[len(_TIMES)]:
-                snapshots.add(row.values[len(_TIMES)], len(cycles))
-            else:
-                counted = int(row.values[0])
+            missed += int(values[len(_TIMES) - 1])
+            if values[-len(_DECISION)]:
+                cycles.append(_recorded(values, inputs, kept))
+            elif not values[len(_TIMES)]:
+                counted = int(values[0])
+            elif not gone:  # what comes after a gap is of cycles that are counted otherwise
+                snapshots.add(values[len(_TIMES)], len(cycles))
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             message = f"cycle {len(cycles)} of the record cannot be read: {error}"
-            raise TrackmarshalError("D162", message, file=shown, help="it was not written here") from error
+            help_ = gone or "it was not written here"
+            raise TrackmarshalError("D162", message, file=shown, help=help_) from error
         end = row.end
     rest = data[end:]
     ended = rest == END
@@ -352,6 +373,8 @@ def read(data: bytes, shown: str) -> Run:
             "does not say after how many it was closed" if counted is None else f"was closed after {counted}"
         )
         damage = f"it has {len(cycles) + missed} cycles, and {closed}: rows are gone, or not its own"
+    else:
+        damage = gone
     return Run(
         identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
     )  # fmt: skip
@@ -438,8 +461,15 @@ def _all_si(contract: Contract) -> bool:
     )
 
 
-def _columns(inputs: list[_Input]) -> list[Column]:
-    return [*_TIMES, ("raw", TEXT), *((_name(one), one[3]) for one in inputs), *_DECISION]
+def _columns(inputs: list[_Input], places: bool = True) -> list[Column]:
+    """All columns of a record; places: whether its rows say theirs."""
+    return [
+        *([_ROW] if places else []),
+        *_TIMES,
+        ("raw", TEXT),
+        *((_name(one), one[3]) for one in inputs),
+        *_DECISION,
+    ]
 
 
 def _name(one: _Input) -> str:

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 #: A field of numbers: whether it is a candidate's, candidate or signal, and its name.
 Place = tuple[bool, str, str]
-#: Of a row: number, stamp, both readings and how many cycles are missing; of what is driven: number and stamp.
-_TIMES, _DRIVEN, _CHECKSUM = struct.Struct("<qdddq"), struct.Struct("<qd"), struct.Struct("<q")
+#: Of a row: its place, number, stamp, both readings and how many cycles are missing; of what is driven: number and stamp.
+_TIMES, _DRIVEN, _CHECKSUM = struct.Struct("<qqdddq"), struct.Struct("<qd"), struct.Struct("<q")
 _OUTCOME = ("verdicts.driving", "verdicts.emergency", "margins.driving", "margins.emergency")
 #: An arena is memory of this machine, and a row is as every machine reads it.
 _LITTLE = sys.byteorder == "little"
@@ -103,7 +103,7 @@ class _Stencil:
         self._row = bytearray(row)
         #: The same memory; as whole numbers, so that the bits of a NaN stay.
         self._view, self._words = memoryview(self._row), np.frombuffer(self._row, np.int64)
-        self._times, self._driven = named["number"], named["driven_number"]
+        self._times, self._driven = named["row"], named["driven_number"]
         self._outcome = [named[name] for name in _OUTCOME]
         self._checksum = layout.body
         #: Of all before the first number, which stays as it is; the checksum itself counts as zero.

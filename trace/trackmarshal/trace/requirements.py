@@ -53,6 +53,12 @@ def documents(root: Path, found: list[Finding]) -> list[tuple[str, str, Table]]:
     return read
 
 
+def document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
+    """One file, inside or outside a project: which document it is, its fields; None, and why in `found`, where it is none."""
+    data = tree.read(path, shown, found)
+    return None if data is None else _document(data, shown, found)
+
+
 def _bytes(root: Path, found: list[Finding]) -> Bytes:
     """The files of a project's requirements by their paths from its root."""
     read = {}

@@ -33,7 +33,7 @@ class Door:
         plan = self._signal(contract.plan, given.plan.c_name)
         others = [line for signal in contract.signals for line in self._other(signal)]
         lanes = [line for signal in given.lanes for line in lanes_of(given, signal)]
-        body = [*order(), *plan, *fit(given), *others, *lanes, *self._whole()]
+        body = [*order(given), *plan, *fit(given), *others, *lanes, *self._whole()]
         self.functions = [*self._helpers.functions, *body]
         #: How many parts run up to the door's end: those of each candidate twice, order and fit, and two before the door.
         self.parts = (

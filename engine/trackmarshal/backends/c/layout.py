@@ -113,8 +113,22 @@ class Layout:
     @property
     def named(self) -> list[Input]:
         """The sets whose elements are known again in other cycles."""
-        axes = {axis.signal for each in self.kept.values() for axis in each.axes} | set(self.future.sets)
-        return [item for item in self.inputs.values() if item.name in axes]
+        return [item for item in self.inputs.values() if item.name in self._known_again]
+
+    @property
+    def _known_again(self) -> set[str]:
+        return {axis.signal for each in self.kept.values() for axis in each.axes} | set(self.future.sets)
+
+    def input_names(self, used: Sequence[str], stamped: bool) -> dict[str, str]:
+        """Signals and events to members of the input, which has the stamp beside them where it is `stamped`. What is remembered of a set whose
+        elements are known again is called as the set is, and stands beside memories."""
+        names = distinct(used, ("t",) if stamped else ())
+        memories = {each.c_name for each in (*self.kept.values(), *self._pairs.values())} | _OF_THE_RUN
+        for name in used:
+            if name in self._known_again and names[name].casefold() in memories:
+                others = {c_name.casefold() for c_name in names.values()}
+                names |= distinct([name], memories | others)
+        return names
 
     @property
     def pairs(self) -> dict[tuple[str, ...], Pairs]:
@@ -252,7 +266,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
             if name in spec.signals:
                 fields.update(info.name for info in spec.signals[name].fields_)
     used = [name for name in (*spec.signals, *spec.events) if name in columns or name in events]
-    for name, c_name in distinct(used).items():
+    for name, c_name in result.input_names(used, result.remembers and not whole).items():
         if name in spec.events:
             result.inputs[name] = Input(name, c_name, "event", None, ())
             continue
@@ -274,5 +288,9 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     return result
 
 
+#: Other members of what rules remember of the run, beside those of its sets.
+_OF_THE_RUN = frozenset(
+    {"any", "begun", "crowded", "future", "last", "lived", "missed", "now", "parts", "serial"}
+)
 #: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
 _ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance", "_said", "_applies")

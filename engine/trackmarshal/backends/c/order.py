@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from trackmarshal.backends.c.checks import breach, text
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.interface import LIMITS
-from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIMELY, Demand
+from trackmarshal.runtime.contract.cycles import COUNTED, END, NUMBER, STAMP, START, TIMELY, Demand
 from trackmarshal.runtime.cycle import EMERGENCY
 
 _LIMITS = {name: f"c->limits.{name}" for name in LIMITS}
 _CYCLE = '"cycle"'
 
 
-def order() -> Iterator[str]:
+def order(given: Supervised) -> Iterator[str]:
     """Number and stamp."""
     stamp = {"t": "t", "now": "now", "since": "since", "begun": "stamped", **_LIMITS}
     number = {"number": "number", "last": "last", "begun": "numbered"}
@@ -33,7 +33,7 @@ def order() -> Iterator[str]:
     yield from _chain(STAMP, stamp, "} else ")
     yield "  } else {"
     yield "    look->in_order = true;"
-    for demand in TIMELY:
+    for demand in (*TIMELY, *(COUNTED if given.contract.over_run else ())):
         yield f"    if (!{demand.holds.c(stamp)}) {{ {_breach(demand)} }}"
     yield "  }"
     yield "  if (!cycle->numbered) {"

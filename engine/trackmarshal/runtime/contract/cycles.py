@@ -6,6 +6,7 @@ not hold is the breach, and the rows behind it are not looked at.
 
 from __future__ import annotations
 
+from trackmarshal.ir.overrun import FURTHEST
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import MOST
 from trackmarshal.runtime.contract.conditions import Condition
@@ -41,6 +42,9 @@ TIMELY = (
     _demand("late", "t", "(begun == 0) | (since <= longest_gap)"),
     _demand("stale", "t", "((now - t) <= oldest) | (now != now)"),
 )
+#: Of a stamp that is in order, where rules look at other cycles, which they count with in nanoseconds (`ir.overrun.stamped`: a number as large as this
+#: has no fraction to round).
+COUNTED = (_demand("out_of_range", "t", f"fabs(t * 1e9) < {float(FURTHEST)!r}"),)
 #: Of the cycle's `number` and the `last` one that came with a stamp in order (`begun` 1 once there is one, else `last` is 0), whole
 #: numbers of 64 bits. A chain, whatever the stamp is.
 NUMBER = (

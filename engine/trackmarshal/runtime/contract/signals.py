@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
@@ -77,7 +78,8 @@ class Contract(Node):
 
     plan: what each candidate has to be; None for cases, whose `plan` is a signal as any other. signals: all others, in the order
     of the spec. tells: whether rules ask which of the candidates they are about; follows: whether they read the driving trajectory
-    beside their candidate. Both come with the candidates. known: the names of all signals and events.
+    beside their candidate. Both come with the candidates. known: the names of all signals and events. over_run: whether rules look at
+    other cycles, so that stamps are counted with.
     """
 
     plan: Signal | None
@@ -88,6 +90,7 @@ class Contract(Node):
     #: The places of named tracks that rules read, and the signals that name the track.
     places: Places = ()
     corridors: tuple[str, ...] = ()
+    over_run: bool = False
 
     def signal(self, name: str) -> Signal | None:
         return next((signal for signal in self.signals if signal.name == name), None)
@@ -134,6 +137,7 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
         _names(spec),
         places_of(spec, rules),
         corridors_of(spec),
+        any(over_run(rule.formula) or over_run(rule.active) or rule.course is not None for rule in rules),
     )
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from trackmarshal.runtime.contract import EGO, Contract
-from trackmarshal.runtime.contract.cycles import END, NUMBER, STAMP, START, TIMELY, Demand
+from trackmarshal.runtime.contract.cycles import COUNTED, END, NUMBER, STAMP, START, TIMELY, Demand
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
@@ -86,6 +86,8 @@ class Door:
         self.reader = CycleReader(contract, settings)
         self._checker = FrameChecker(contract, limits)
         self._demands = _Demands(limits)
+        #: Of stamps that are in order.
+        self._timely = (*TIMELY, *(COUNTED if contract.over_run else ()))
         #: Those of the last cycle in order; None where there was none.
         self._number: int | None = None
         self._stamp: float | None = None
@@ -135,7 +137,7 @@ class Door:
             given: dict[str, Any] = {"t": t, "now": now, "begun": begun, "since": since}
             in_order = self._demands.chain(STAMP, given, faults, f"{t!r} s at {now!r} s")
             if in_order:
-                self._demands.each(TIMELY, given, faults, f"{t!r} s at {now!r} s")
+                self._demands.each(self._timely, given, faults, f"{t!r} s at {now!r} s")
         if number is not None:
             last = self._number
             given = {"number": number, "last": 0 if last is None else last, "begun": int(last is not None)}

@@ -15,6 +15,7 @@ from trackmarshal.trace.exchange import csv_text, needs, reqif_file, yaml_text
 from trackmarshal.trace.exchange.content import FIELDS, MAX_BYTES, Document, Naming, of_project, taken
 from trackmarshal.trace.exchange.links import check
 from trackmarshal.trace.exchange.refused import Refused
+from trackmarshal.trace.exchange.replaced import lost
 from trackmarshal.trace.findings import Finding
 
 #: Formats, and what names of their files end with.
@@ -84,6 +85,7 @@ __all__ = [
     "export",
     "format_of",
     "load",
+    "lost",
     "of_project",
     "read",
     "yaml",

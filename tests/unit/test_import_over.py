@@ -1,0 +1,92 @@
+"""`import requirements --force`: what a file loses that is written over is named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from trackmarshal.cli.main import main
+
+HEAD = "id,title,statement,rationale,status,asil,verification,source\n"
+V_MODEL = "document: v-model\ntitle: T\nproject: {name: P, specs: [specs]}\nstages:\n  - {id: S-1, title: T, shows: T, applies_to: ['*'], counts: [rule]}\n"
+
+
+def table(levels: dict[str, str]) -> str:
+    """Requirements by id and ASIL, as another tool exports them."""
+    return HEAD + "".join(f"{id_},A,It shall.,B,draft,{asil},test,C\n" for id_, asil in levels.items())
+
+
+def taken(
+    before: dict[str, str], after: dict[str, str], capsys: pytest.CaptureFixture[str], *options: str
+) -> tuple[int, str]:
+    """What is said on standard error when a list is written over by another; the status."""
+    Path("in.csv").write_text(table(before))
+    assert main(["import", "requirements", "in.csv"]) == 0
+    Path("in.csv").write_text(table(after))
+    capsys.readouterr()
+    status = main(["import", "requirements", "in.csv", *options])
+    return status, capsys.readouterr().err
+
+
+@pytest.fixture(params=["a project", "no project"], autouse=True)
+def folder(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "requirements").mkdir()
+    if request.param == "a project":
+        (tmp_path / "requirements" / "v-model.yaml").write_text(V_MODEL)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_requirements_that_are_dropped_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    status, err = taken(
+        {"AB-1": "D", "AB-2": "QM", "AB-3": "A"}, {"AB-2": "QM", "AB-4": "A"}, capsys, "--force"
+    )
+    assert status == 0
+    assert err.count("warning[T365]") == 2
+    for id_ in ("AB-1", "AB-3"):
+        assert f"`{id_}` is dropped" in err
+        place = next(text for text in err.splitlines() if f"`{id_}`" in text)
+        assert place.startswith("requirements/in.yaml:")
+    assert "AB-2" not in err
+    assert "AB-4" not in err
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "named"),
+    [
+        ("D", "C", True), ("A", "QM", True), ("D", "B(D)", True), ("B(D)", "B(C)", True), ("B(D)", "B", True), ("B(D)", "QM(D)", True),
+        ("C", "C", False), ("C", "D", False), ("QM", "A", False), ("B", "B(D)", False), ("QM(D)", "B(D)", False),
+    ],
+)  # fmt: skip
+def test_an_asil_that_is_lowered_is_named(
+    before: str, after: str, named: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, err = taken({"AB-1": before, "AB-2": "D"}, {"AB-1": after, "AB-2": "D"}, capsys, "--force")
+    assert status == 0
+    assert (f"the ASIL of `AB-1` is lowered from {before} to {after}" in err) == named
+    assert err.count("T365") == named
+
+
+def test_it_is_said_before_anything_is_written_too(capsys: pytest.CaptureFixture[str]) -> None:
+    status, err = taken({"AB-1": "D"}, {"AB-2": "D"}, capsys)
+    assert status == 2
+    assert "`AB-1` is dropped" in err
+    assert "E412" in err
+    assert "AB-1" in Path("requirements/in.yaml").read_text()
+
+
+@pytest.mark.parametrize(
+    "text", ["", "document: system-model\ntitle: T\n", "document: requirements\ntitle: [\n"]
+)
+def test_a_file_that_is_no_list_of_requirements_is_not_written_over_in_silence(
+    text: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("other.yaml").write_text(text)
+    Path("in.csv").write_text(table({"AB-1": "D"}))
+    assert main(["import", "requirements", "in.csv", "--out", "other.yaml", "--force"]) == 0
+    assert "other.yaml: warning[T365]" in capsys.readouterr().err
+
+
+def test_the_same_list_again_loses_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    assert taken({"AB-1": "B(D)"}, {"AB-1": "B(D)"}, capsys, "--force") == (0, "")
