@@ -16,7 +16,7 @@ import signal
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from support.length import at_length, shared_out
+from support.started import started
 from trackmarshal.cli.main import main
 from trackmarshal.testing.builders import BUILDERS
 
@@ -631,24 +632,6 @@ def many(tmp_path: Path) -> Path:
 
 
 EVAL = (*COMMAND, "eval", "good.spec", "--format", "jsonl", "--data")
-
-
-@contextlib.contextmanager
-def started(*arguments: str | Path, **streams: Any) -> Iterator[subprocess.Popen[bytes]]:
-    # Who was started in the background of a script ignores Ctrl-C, and so do those it starts: not here.
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        process = subprocess.Popen([str(a) for a in arguments], stdout=subprocess.PIPE, **streams)
-    finally:
-        signal.signal(signal.SIGINT, before)
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout, process.stderr):
-            if stream is not None:
-                stream.close()
 
 
 def test_ctrl_c_while_waiting_for_data(many: Path) -> None:

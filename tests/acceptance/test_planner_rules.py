@@ -62,7 +62,16 @@ def test_what_is_so_fires(name: str, every: int) -> None:
 @pytest.mark.parametrize(("name", "every"), [case for case in CASES if "cars" not in str(case)])
 def test_alone_the_planner_keeps_to_its_limits(name: str, every: int) -> None:
     """What the whole comparison rests on: a planner that did nothing wrong."""
-    physical = {"off the road", "friction", "drive", "radius", "fast", "backwards", "does not stop", "speed jumps"}
+    physical = {
+        "off the road",
+        "friction",
+        "drive",
+        "radius",
+        "fast",
+        "backwards",
+        "does not stop",
+        "speed jumps",
+    }
     assert not {fact for said in found(name, every).values() for fact in said.possible} & physical
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from support import start
 from support.shared import REPOSITORY
+from support.started import started
 
 pytestmark = pytest.mark.acceptance
 
@@ -111,12 +112,10 @@ def test_new_pieces(installed: Path, tmp_path: Path) -> None:
 
 
 def test_watch_ends_cleanly(installed: Path, project: Path) -> None:
-    with subprocess.Popen(
-        [str(installed), "watch"], cwd=project, env=plain_environment(), stdout=subprocess.PIPE, text=True
-    ) as process:
+    with started(installed, "watch", cwd=project, env=plain_environment()) as process:
         assert process.stdout is not None
         for line in process.stdout:
-            if line == "-- all well; watching\n":
+            if line == b"-- all well; watching\n":
                 break
         process.send_signal(signal.SIGINT)
         assert process.wait(60) == 0

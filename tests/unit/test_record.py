@@ -315,7 +315,10 @@ def test_other_tools_read_a_record(tmp_path: Path) -> None:
     with pyarrow.ipc.open_stream(path.read_bytes()) as reader:
         table = reader.read_all()
     table.validate(full=True)
-    assert table["state"].to_pylist() == ["drive", "drive", "previous_emergency", "drive"]
+    # The last row says after how many cycles it was closed.
+    assert table["state"].to_pylist() == ["drive", "drive", "previous_emergency", "drive", ""]
+    assert table["row"].to_pylist() == [0, 1, 2, 3, 4]
+    assert table["number"][4].as_py() == 4
     assert table["driving.v"][1].as_py() == steps[1][0].driving["v"].tolist()
     assert table["objects.id"][0].as_py() == ["o0", "o1"]
 

@@ -30,7 +30,8 @@ def numbers(
     if isinstance(node, ir.Compare) and node.op != "is":
         _, left, right = node.written
         for name, side in (("left side", left), ("right side", right)):
-            rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
+            if _levels(side) <= env.keys():  # which one is the nearest may be asked of nobody in particular
+                rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
     called = {one.node: one for one in names if one.own}
@@ -52,9 +53,13 @@ def numbers(
 def _parts(node: ir.Formula) -> tuple[tuple[ir.AnyNode, frozenset[int]], ...]:
     """What a comparison is made of, each with the levels of the variables that it is of."""
     return tuple(
-        (part, frozenset(axis.level for axis in sets(part)) if isinstance(part, ir.Num) else frozenset())
-        for part in outside_machines(node)
+        (part, _levels(part) if isinstance(part, ir.Num) else frozenset()) for part in outside_machines(node)
     )
+
+
+def _levels(part: ir.Num) -> frozenset[int]:
+    """The levels of the variables that a number is of."""
+    return frozenset(axis.level for axis in sets(part))
 
 
 def kept_units(rule: RuleInfo) -> dict[str, str]:
