@@ -44,12 +44,6 @@ class Line:
     def __deepcopy__(self, memo: dict[int, Any]) -> Line:
         return self
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Read anew, where it comes from a pickle: into memory that nobody can write to, under a number of its own.
-        from trackmarshal.runtime.door.lines import line
-
-        return line, (self.points,)
-
     @cached_property
     def tuples(self) -> tuple[Point, ...]:
         """The points as pairs of Python's numbers."""

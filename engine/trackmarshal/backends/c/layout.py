@@ -123,7 +123,8 @@ class Layout:
         """Signals and events to members of the input, which has the stamp beside them where it is `stamped`. What is remembered of a set whose
         elements are known again is called as the set is, and stands beside memories."""
         names = distinct(used, ("t",) if stamped else ())
-        memories = {each.c_name for each in (*self.kept.values(), *self._pairs.values())} | _OF_THE_RUN
+        memories = {each.c_name for each in self.kept.values()} | _OF_THE_RUN
+        memories |= {each.c_name for each in self._pairs.values()}
         for name in used:
             if name in self._known_again and names[name].casefold() in memories:
                 others = {c_name.casefold() for c_name in names.values()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import marshal
 from collections import OrderedDict
 from itertools import chain
@@ -32,6 +33,14 @@ def line(points: Any) -> Line:
 
 #: The line of no points, where one is missing.
 NOWHERE = line(np.zeros((0, 2)))
+
+
+def _pickled(made: Line) -> tuple[Any, ...]:
+    return line, (made.points,)
+
+
+# What comes from a pickle is read anew: into memory that nobody can write to, under a number of its own.
+copyreg.pickle(Line, _pickled)
 
 
 class NoLineError(Exception):
