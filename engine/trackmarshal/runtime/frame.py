@@ -157,6 +157,14 @@ class Columns:
         return 0 if judged == "first" else self.count - 1
 
 
+class Packed(NamedTuple):
+    """Columns as memory: how many entries, their ids, and the numbers as little-endian float64, one column after the other."""
+
+    entries: int
+    ids: tuple[str, ...]
+    numbers: bytes
+
+
 class Shape(NamedTuple):
     """What arenas have alike.
 
@@ -190,6 +198,20 @@ class Arena(NamedTuple):
     def counts(self) -> list[int]:
         """How many entries each signal has."""
         return memoryview(self.data)[: self.begin].cast("q").tolist()[3::3]
+
+    def packed(self) -> list[Packed]:
+        """Of each signal, the candidates first."""
+        made, (data, shape), end = [], self, self.begin
+        for names, ids, count in zip(shape.names, shape.ids, self.counts):
+            begin, end = end, end + 8 * count * len(names.numbers)
+            known = tuple(map(str, range(count))) if ids is None else ids
+            own = data[begin:end]
+            if not _LITTLE:
+                import numpy as np
+
+                own = np.frombuffer(own, np.float64).astype("<f8").tobytes()
+            made.append(Packed(count, known, own))
+        return made
 
     def columns(self) -> list[Columns]:
         """Of each signal, the candidates first."""
