@@ -203,7 +203,7 @@ class Record:
 
         lines, kept = frame.lines, self._kept
         same = lines is kept or all(line is kept.get(place) for place, line in lines.items())
-        return self._stencils.row(times, frame, decision, whole) if same else whole()
+        return self._stencils.row(times, frame, decision, _violations(decision), whole) if same else whole()
 
     def _passed(self, frame: Frame) -> list[Any]:
         """The columns of what passed the door."""
@@ -251,20 +251,23 @@ def decided(decision: Decision) -> list[Any]:
     driven = decision.driven
     judged = decision.judged
     faults = [[name_of(f), f.code, f.signal, f.field, f.index, f.message] for f in decision.faults]
-    violations = [
-        {
-            "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
-            "margin": _spelt(v.margin), "unit": v.unit,
-        }
-        for v in decision.violations
-    ]  # fmt: skip
     rated = [judged.rated[name] for name in (DRIVING, EMERGENCY)] if judged else []
     verdicts = [letters(one.verdicts) for one in rated] or ["", ""]
     margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
-        math.nan if driven is None else driven.t, decision.lost, _dumped(faults), _dumped(violations), *verdicts, *margins,
+        math.nan if driven is None else driven.t, decision.lost, _dumped(faults), _violations(decision), *verdicts, *margins,
     ]  # fmt: skip
+
+
+def _violations(decision: Decision) -> str:
+    return _dumped([
+        {
+            "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
+            "margin": _spelt(v.margin), "unit": v.unit,
+        }
+        for v in decision.violations
+    ])  # fmt: skip
 
 
 def _dumped(reasons: list[Any]) -> str:
