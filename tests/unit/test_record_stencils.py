@@ -76,9 +76,9 @@ def test_a_row_like_another_is_the_row_written_whole(
     with monkeypatch.context() as patch:
         patch.setattr(stencil._Stencil, "filled", counted)
         found = run(tmp_path / "like.arrows", backend)
-    monkeypatch.setattr(stencil.Stencils, "row", lambda self, times, frame, decision, whole: whole())
+    monkeypatch.setattr(stencil.Stencils, "row", lambda *given: given[-1]())
     run(tmp_path / "whole.arrows", backend)
-    assert 40 <= count[0] <= 80
+    assert 40 <= count[0] <= 80, count
     assert (tmp_path / "like.arrows").read_bytes() == (tmp_path / "whole.arrows").read_bytes()
     assert {one.value("state") for one in found.cycles} >= {"drive", "previous_emergency"}
     for number, one in enumerate(found.cycles):

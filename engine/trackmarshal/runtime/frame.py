@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -157,16 +157,26 @@ class Columns:
         return 0 if judged == "first" else self.count - 1
 
 
+class Packed(NamedTuple):
+    """Columns as memory: how many entries, their ids, and the numbers as little-endian float64, one column after the other."""
+
+    entries: int
+    ids: tuple[str, ...]
+    numbers: bytes
+
+
 class Shape(NamedTuple):
     """What arenas have alike.
 
-    called: the signals after the two candidates. names, ids: of each signal; ids are None where elements are counted. unchanged: whether all
-    other signals are the very objects that are remembered of an earlier cycle; whole: and there are no more.
+    called: the signals after the two candidates. names, ids: of each signal; ids are None where elements are counted. floats: bytes as numbers
+    of this machine. unchanged: whether all other signals are the very objects that are remembered of an earlier cycle; whole: and there are
+    no more.
     """
 
     called: Sequence[str]
     names: Sequence[Names]
     ids: Sequence[tuple[str, ...] | None]
+    floats: Callable[[bytes], Floats]
     unchanged: bool = False
     whole: bool = False
 
@@ -191,13 +201,23 @@ class Arena(NamedTuple):
         """How many entries each signal has."""
         return memoryview(self.data)[: self.begin].cast("q").tolist()[3::3]
 
+    def packed(self) -> list[Packed]:
+        """Of each signal, the candidates first."""
+        made, (data, shape), end = [], self, self.begin
+        for names, ids, count in zip(shape.names, shape.ids, self.counts):
+            begin, end = end, end + 8 * count * len(names.numbers)
+            known = tuple(map(str, range(count))) if ids is None else ids
+            own = data[begin:end]
+            if not _LITTLE:
+                own = shape.floats(own).astype("<f8").tobytes()
+            made.append(Packed(count, known, own))
+        return made
+
     def columns(self) -> list[Columns]:
         """Of each signal, the candidates first."""
-        import numpy as np
-
         made, (data, shape) = [], self
         words = memoryview(data)[: self.begin].cast("q")
-        numbers = np.frombuffer(data, np.float64)
+        numbers = shape.floats(data)
         for names, ids, begin, count in zip(shape.names, shape.ids, words[1::3], words[3::3]):
             known = tuple(map(str, range(count))) if ids is None else ids
             made.append(Columns.within(names, numbers, begin // 8, count, known))

@@ -18,6 +18,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import struct
+from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -34,7 +36,7 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.door.values import entries, is_a, mapping
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.frame import Frame, Packed
 from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
@@ -80,13 +82,14 @@ class Record:
         self._sync = sync
         self._snapshots = Snapshots(saving, every)
         self._inputs = _inputs(contract)
-        #: The same with all numbers of a signal, which stand one after the other, as one part.
-        self._parts = list(
-            dict.fromkeys(
+        #: The same with all numbers of a signal, which stand one after the other, as one part, and how many these are.
+        self._parts = [
+            (*one, count)
+            for one, count in Counter(
                 (part, signal, "" if part in ("plan", "column", "number") else field)
                 for part, signal, field, _ in self._inputs
-            )
-        )
+            ).items()
+        ]
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
@@ -213,20 +216,21 @@ class Record:
 
         lines, kept = frame.lines, self._kept
         same = lines is kept or all(line is kept.get(place) for place, line in lines.items())
-        return self._stencils.row(times, frame, decision, whole) if same else whole()
+        return self._stencils.row(times, frame, decision, _violations(decision), whole) if same else whole()
 
     def _passed(self, frame: Frame) -> list[Any]:
         """The columns of what passed the door."""
         passed: list[Any] = []
-        for part, signal, field in self._parts:
+        candidates, columns = _packed(frame)
+        for part, signal, field, fields in self._parts:
             if part in ("plan", "column"):
-                columns = (frame.candidates if part == "plan" else frame.columns)[signal]
-                data, width = columns.packed(), 8 * columns.count
-                passed += [data[i * width : (i + 1) * width] for i in range(len(columns.names.numbers))]
+                count, _, data = (candidates if part == "plan" else columns)[signal]
+                width = 8 * count
+                passed += [data[i * width : (i + 1) * width] for i in range(fields)]
             elif part == "number":
-                passed += frame.columns[signal].values[:, 0].tolist()
+                passed += struct.unpack(f"<{fields}d", columns[signal].numbers)
             elif part == "ids":
-                passed.append(frame.columns[signal].ids)
+                passed.append(columns[signal].ids)
             elif part in ("x", "y"):
                 line = frame.line(signal, field)
                 same = line is self._kept.get((signal, field))
@@ -243,25 +247,40 @@ class Record:
 _NOTHING = np.zeros(0)
 
 
+def _packed(frame: Frame) -> tuple[dict[str, Packed], dict[str, Packed]]:
+    """Candidates and columns of a frame as memory; where they are in an arena, nothing is made of them for that."""
+    if frame.arena is not None:
+        driving, emergency, *others = frame.arena.packed()
+        return {DRIVING: driving, EMERGENCY: emergency}, dict(zip(frame.arena.shape.called, others))
+    candidates, columns = (
+        {name: Packed(one.count, one.ids, one.packed()) for name, one in held.items()}
+        for held in (frame.candidates, frame.columns)
+    )
+    return candidates, columns
+
+
 def decided(decision: Decision) -> list[Any]:
     """A decision as the values of its columns: two decisions are the same when these are, to the bit."""
     driven = decision.driven
     judged = decision.judged
     faults = [[name_of(f), f.code, f.signal, f.field, f.index, f.message] for f in decision.faults]
-    violations = [
-        {
-            "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
-            "margin": _spelt(v.margin), "unit": v.unit,
-        }
-        for v in decision.violations
-    ]  # fmt: skip
     rated = [judged.rated[name] for name in (DRIVING, EMERGENCY)] if judged else []
     verdicts = [letters(one.verdicts) for one in rated] or ["", ""]
     margins = [one.margins for one in rated] or [(), ()]
     return [
         decision.state, int(decision.safe), "" if driven is None else driven.candidate, -1 if driven is None else driven.number,
-        math.nan if driven is None else driven.t, decision.lost, _dumped(faults), _dumped(violations), *verdicts, *margins,
+        math.nan if driven is None else driven.t, decision.lost, _dumped(faults), _violations(decision), *verdicts, *margins,
     ]  # fmt: skip
+
+
+def _violations(decision: Decision) -> str:
+    return _dumped([
+        {
+            "rule": v.rule, "requirements": list(v.requirements), "candidate": v.candidate, "verdict": v.verdict,
+            "margin": _spelt(v.margin), "unit": v.unit,
+        }
+        for v in decision.violations
+    ])  # fmt: skip
 
 
 def _dumped(reasons: list[Any]) -> str:

@@ -1,7 +1,7 @@
-"""The rows of a record that differ from an earlier one in numbers alone: that row again, with the numbers of the cycle at hand.
+"""The rows of a record that differ from an earlier one in numbers alone, verdicts among them: that row again, with those of the cycle at hand.
 
-In most cycles, nothing else is new: as many samples and elements, the same ids and borders, nothing against them. Their numbers stand one after the
-other in the frame's arena, and are put into the row by one call.
+In most cycles, nothing else is new: as many samples and elements, the same ids and borders, and what is said against them as long, to the letter.
+Their numbers stand one after the other in the frame's arena, and are put into the row by one call.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 Place = tuple[bool, str, str]
 #: Of a row: its place, number, stamp, both readings and how many cycles are missing; of what is driven: number and stamp.
 _TIMES, _DRIVEN, _CHECKSUM = struct.Struct("<qqdddq"), struct.Struct("<qd"), struct.Struct("<q")
-_OUTCOME = ("verdicts.driving", "verdicts.emergency", "margins.driving", "margins.emergency")
+_OUTCOME = ("violations", "verdicts.driving", "verdicts.emergency", "margins.driving", "margins.emergency")
 #: An arena is memory of this machine, and a row is as every machine reads it.
 _LITTLE = sys.byteorder == "little"
 #: Rows that are remembered.
@@ -43,7 +43,7 @@ def letters(codes: bytes) -> str:
 
 
 class Stencils:
-    """Rows by all that is in them besides numbers.
+    """Rows by all that is in them besides numbers, verdicts and violations, and by how long these are.
 
     layout: what rows are written with. numbers: the fields whose numbers are in arenas, by the number of their column. closed, events: the
     signals that say whether something is so.
@@ -57,15 +57,14 @@ class Stencils:
         self._rows: dict[tuple[Any, ...], _Stencil | None] = {}
 
     def row(
-        self, times: Sequence[Any], frame: Frame, decision: Decision, whole: Callable[[], bytes]
-    ) -> bytes | bytearray:
-        """The row of a cycle without a fault, with the lines of the row before; its memory is used again for the next one. whole: writes it
-        where nothing like it is known; empty where it cannot."""
+        self, times: Sequence[Any], frame: Frame, decision: Decision, violations: str, whole: Callable[[], bytes]
+    ) -> bytes | bytearray:  # fmt: skip
+        """The row of a cycle without a fault, with the lines of the row before; its memory is used again for the next one. violations: as they
+        stand in it. whole: writes it where nothing like it is known; empty where it cannot."""
         arena, judged, driven = frame.arena, decision.judged, decision.driven
-        # A violation has a margin in its text.
-        if arena is None or judged is None or decision.violations or not _LITTLE:
+        if arena is None or judged is None or not _LITTLE:
             return whole()
-        outcome = _outcome(judged)
+        outcome = violations.encode(), *_outcome(judged)
         others = (
             arena.data[8 : arena.begin], tuple(arena.shape.ids), *[frame.closed.get(name, False) for name in self._closed],
             *[frame.events[name] for name in self._events], *map(len, outcome), decision.state, decision.safe, decision.lost,

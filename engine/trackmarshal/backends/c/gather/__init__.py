@@ -15,7 +15,7 @@ from trackmarshal.backends.c.build import small_library
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
 from trackmarshal.runtime.cycle import Limits
-from trackmarshal.runtime.door.at_once import AtOnce
+from trackmarshal.runtime.door.at_once import AtOnce, floats
 from trackmarshal.runtime.door.columns import ColumnsReader
 from trackmarshal.runtime.frame import Arena, Shape
 
@@ -109,7 +109,7 @@ class Gathered(AtOnce):
             () if reader.signal.form != SET else known if said >> (_IDS + place) & 1 else None
             for place, (reader, known) in enumerate(zip(self._readers, self._known))
         )
-        return Shape(self._called, self._names, ids, bool(said & _UNCHANGED), bool(said & _WHOLE))
+        return Shape(self._called, self._names, ids, floats, bool(said & _UNCHANGED), bool(said & _WHOLE))
 
 
 def _addresses(objects: Sequence[object]) -> Any:
