@@ -109,6 +109,9 @@ def test_replay_and_car_have_the_limits_of_the_project(limit: str, fault: str, t
         assert f"| `TM_MAX_SAMPLES` | {limit.rsplit(maxsplit=1)[-1]} |" in (
             out_folder / "report.md"
         ).read_text("utf-8")
+    accept = ("--accept-baseline", "--by", "Ann Author", "--reason", "another planner")  # limits are held
+    assert run_command("trace", "--gate", *project)[0] == 1
+    assert run_command("trace", *accept, *project)[0] == 0
     assert run_command("trace", "--gate", *project)[0] == (1 if fault else 0)
 
 
