@@ -76,7 +76,7 @@ class Curves:
 
     def _measure(self, bends: Floats) -> None:
         move = self.poses[3:5] - self.poses[0:2]
-        dx, dy = move[:, None]
+        dx, dy = move
         ux, uy = self.units
         along, aside = dx * ux + dy * uy, dx * uy - dy * ux
         square = move[0] * move[0] + move[1] * move[1]
@@ -112,7 +112,7 @@ class Curves:
         self.reach = more + whole
         self.short = np.where(count == 1, -more, whole + 0.5 * corner * turn)
         #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
-        self._shape = np.stack([*move, *slope, lean, np.copysign(1.0, along[0])])
+        self._shape = np.array([*move, *slope, lean, np.copysign(1.0, along[0])])
 
     def _at_random(self, way: Floats, corner: float | Floats) -> Floats:
         """How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
