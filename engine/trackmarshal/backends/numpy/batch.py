@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,21 +19,6 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: Where arrays hold fewer cases than this on average, these are read one by one.
 FEW_TOGETHER = 2
-
-
-class _Together(NamedTuple):
-    """Cases whose numbers stand in one array (places, numbers, count), and the place of each."""
-
-    stack: Floats
-    cases: list[int]
-    places: list[int]
-
-    def rows(self, row: int) -> Floats:
-        """(cases, count): a column of each."""
-        first, count = self.places[0], len(self.places)
-        if self.places == list(range(first, first + count)):
-            return self.stack[first : first + count, row]
-        return self.stack[:, row].take(self.places, axis=0)
 
 
 class Tables:
@@ -57,7 +42,7 @@ class Batch:
         self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
         self._own: dict[str, list[Columns]] = {}
-        self._together: dict[str, list[_Together] | None] = {}
+        self._numbers: dict[str, Floats] = {}
         self._counts: dict[str, list[int]] = {}
         self._sizes: dict[ir.Axis, int] = {}
         self._columns: dict[tuple[str, str], Floats] = {}
@@ -154,54 +139,45 @@ class Batch:
         """(cases, longest): a column of every case, its last value repeated as padding."""
         table = self._columns.get((signal, field))
         if table is None:
-            table = self._columns[signal, field] = self._stacked(signal, field)
+            numbers = self._numbers.get(signal)
+            if numbers is None:
+                numbers = self._numbers[signal] = self._stacked(signal)
+            table = self._columns[signal, field] = numbers[:, self.own(signal)[0].names.rows[field]]
         return table
 
-    def _stacked(self, signal: str, field: str) -> Floats:
-        """The numbers of a column, of arrays that were put into one already where they were."""
+    def _stacked(self, signal: str) -> Floats:
+        """(cases, numbers, longest): all columns of every case, padded; a view where these stand in one array already."""
         own = self.own(signal)
-        row = own[0].names.rows[field]
-        if signal not in self._together:
-            self._together[signal] = self._read_together(own)
-        together = self._together[signal]
-        if together is None:
-            return self._padded([columns.values[row] for columns in own], signal)
-        if len(together) == 1:
-            return together[0].rows(row)
-        made = np.empty((self.size, own[0].count))
-        for one in together:
-            made[one.cases] = one.rows(row)
-        return made
-
-    @staticmethod
-    def _read_together(own: Sequence[Columns]) -> list[_Together] | None:
-        """The arrays that the numbers of cases were put into; None where those are many, or of many sizes."""
-        found: dict[int, _Together] = {}
+        found: dict[int, tuple[Floats, list[int], list[int]]] = {}
         for case, columns in enumerate(own):
             if columns.stack is None:
-                return None
+                return self._padded([columns.values for columns in own], signal)
             stack, place = columns.stack
-            one = found.get(id(stack))
-            if one is None:
-                one = found[id(stack)] = _Together(stack, [], [])
-            one.cases.append(case)
-            one.places.append(place)
-        if len(found) > 1 and (
-            FEW_TOGETHER * len(found) > len(own) or len({one.stack.shape[2] for one in found.values()}) > 1
+            _, cases, places = found.setdefault(id(stack), (stack, [], []))
+            cases.append(case)
+            places.append(place)
+        if len(found) == 1:
+            return _rows(stack, places)
+        if (
+            FEW_TOGETHER * len(found) > len(own)
+            or len({stack.shape[1:] for stack, _, _ in found.values()}) > 1
         ):
-            return None
-        return list(found.values())
+            return self._padded([columns.values for columns in own], signal)
+        made = np.empty((self.size, *stack.shape[1:]))
+        for stack, cases, places in found.values():
+            made[cases] = _rows(stack, places)
+        return made
 
     def _padded(self, rows: list[NDArray[Any]], signal: str) -> Floats:
-        """(cases, longest)."""
+        """(cases, .., longest)."""
         counts = self.counts(signal)
         longest = max(counts)
         if min(counts) == longest:
-            return np.array(rows, dtype=np.float64).reshape(self.size, longest)
-        made = np.zeros((self.size, longest))
-        for target, given in zip(made, rows):
-            target[: len(given)] = given
-            target[len(given) :] = given[-1] if len(given) else 0.0
+            return np.array(rows, dtype=np.float64)
+        made = np.zeros((self.size, *rows[0].shape[:-1], longest))
+        for target, given, count in zip(made, rows, counts):
+            target[..., :count] = given
+            target[..., count:] = given[..., -1:] if count else 0.0
         return made
 
     def flags(self, signal: str, field: str) -> Floats:
@@ -247,6 +223,12 @@ class Batch:
         """(cases, n) shaped so that n lies on the axis's place and the others are 1."""
         before = axis.level
         return table.reshape(self.size, *(1,) * before, table.shape[1], *(1,) * (self.rank - 2 - before))
+
+
+def _rows(stack: Floats, places: list[int]) -> Floats:
+    """What stands at some places of a stack: a view where they follow each other."""
+    first, end = places[0], places[0] + len(places)
+    return stack[first:end] if places == list(range(first, end)) else stack.take(places, axis=0)
 
 
 def _codes(values: Sequence[bool | None]) -> list[float]:

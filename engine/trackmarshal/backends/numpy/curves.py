@@ -24,11 +24,11 @@ class Curve:
 
     def __call__(self, x: Any) -> Any:
         first, last = self.knots[0], self.knots[-1]
-        result = np.where(x <= first, self.values[0], self.values[-1])
+        between = self.values[-1]
         if len(self.slopes):
             index = self.inner.searchsorted(x, side="right")
             between = self.values.take(index) + self.slopes.take(index) * (x - self.knots.take(index))
-            result = np.where((x <= first) | (x >= last), result, between)
+        result = np.where(x <= first, self.values[0], np.where(x >= last, self.values[-1], between))
         return np.where(np.isfinite(x), result, np.nan)
 
 

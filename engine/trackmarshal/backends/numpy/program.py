@@ -55,6 +55,7 @@ class NumpyProgram(Stateless):
             [_side(place, 0) for place in of_rules] + [_side(self.places[f], 1) for f in ranges]
         )
         self.possible = _Cases([_side(place, 1) for place in of_rules])
+        self.never_decide = advisory(self.rules)
         self._tables = Tables(spec)
         self._recalling: dict[ir.Formula, NumpyProgram] = {}
         with np.errstate(all="ignore"):
@@ -106,7 +107,7 @@ class _Cases:
         self._margins = [margin for _, margin, _ in sides]
         #: Whether they hold where the margin is 0.
         self._at_zero = np.array([[bool(says & AT_LEAST)] for says, _, _ in sides])
-        self._sats = [sat if says == NEITHER else None for says, _, sat in sides]
+        self._sats = {side: sat for side, (says, _, sat) in enumerate(sides) if says == NEITHER}
 
     def read(
         self, values: Sequence[Any], size: int, chosen: Sequence[int] | None = None
@@ -115,12 +116,11 @@ class _Cases:
         sides = range(len(self._margins)) if chosen is None else chosen
         margins = _by_case([values[self._margins[side]] for side in sides], size)
         margins += 0.0  # a margin of zero is 0.0 by definition
-        sat = margins >= 0.0
-        sat &= (margins != 0.0) | (self._at_zero if chosen is None else self._at_zero[chosen])
-        for row, side in enumerate(sides):
-            at = self._sats[side]
-            if at is not None:
-                sat[row] = _of_cases(values[at], size).ravel()
+        at_zero = self._at_zero if chosen is None else self._at_zero.take(chosen, axis=0)
+        sat = np.where(at_zero, margins >= 0.0, margins > 0.0)
+        for row, side in enumerate(sides if self._sats else ()):
+            if side in self._sats:
+                sat[row] = _of_cases(values[self._sats[side]], size).ravel()
         return sat, margins
 
 
@@ -131,13 +131,12 @@ def _side(place: tuple[int, tuple[int, ...]], best: int) -> tuple[int, int, int]
 
 def _by_case(rows: Sequence[Any], size: int) -> NDArray[np.float64]:
     """(rows, cases) of arrays without other axes, some of which have one value for all."""
-    flat = [row.reshape(-1) if row.size == size else row.repeat(size) for row in rows]
-    return np.concatenate(flat).reshape(-1, size)
+    return np.concatenate([_of_cases(row, size) for row in rows], axis=None).reshape(-1, size)
 
 
 def _of_cases(array: Any, size: int) -> Any:
     """A value for every case, of an array without other axes or of one value for all."""
-    return array if array.size == size else np.repeat(array, size)
+    return array if array.size == size else array.repeat(size)
 
 
 #: For so many of the numbers that state machines keep a formula is worked out for all cases of a batch; after that, they are hardly the same twice.
@@ -186,7 +185,7 @@ class Run:
         """The outcome of every frame; witnesses are looked for when they are asked for."""
         codes, margins = self.verdicts
         by_frame = codes.T.tobytes()
-        width, never_decide = len(self.program.rules), advisory(self.program.rules)
+        width, never_decide = len(self.program.rules), self.program.never_decide
         return [
             rated(
                 self.program.rules, frame, partial(CaseView, self, index),
@@ -211,10 +210,10 @@ class Run:
         ]
         if unsure:
             possible, best = program.possible.read(values, size, unsure)
-            surely, doubtful = sat[unsure], code[unsure]
-            doubtful[possible & ~surely] = _UNDEFINED
-            code[unsure] = doubtful
-            margins[unsure] = np.where(surely, margins[unsure], np.where(possible, np.nan, best))
+            surely = sat.take(unsure, axis=0)
+            code[unsure] = np.where(surely, _SATISFIED, np.where(possible, _UNDEFINED, _VIOLATED))
+            own = margins.take(unsure, axis=0)
+            margins[unsure] = np.where(surely, own, np.where(possible, np.nan, best))
         if not occupied.all():
             row, case = (~occupied).nonzero()
             code[program.ranged[row], case], margins[program.ranged[row], case] = _INACTIVE, np.inf

@@ -105,8 +105,7 @@ def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a comparison of x and y: undefined where one of them is not finite."""
     # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
     # the squares is cheaper still; for many it would be shared among threads.
-    flat = margin.reshape(-1)
-    if math.isfinite(flat.dot(flat) if flat.size < FEW else np.add.reduce(flat)):
+    if math.isfinite(np.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
         return margin, margin
     known = np.isfinite(x) & np.isfinite(y)
     return (margin, margin) if known.all() else logic.partly(margin, known)

@@ -76,29 +76,29 @@ class Curves:
 
     def _measure(self, bends: Floats) -> None:
         move = self.poses[3:5] - self.poses[0:2]
-        dx, dy = move[:, None]
+        dx, dy = move
         ux, uy = self.units
         along, aside = dx * ux + dy * uy, dx * uy - dy * ux
-        square = move[0] * move[0] + move[1] * move[1]
+        square = dx * dx + dy * dy
         way = np.sqrt(square)
         half, side = 0.5 * self.length, 0.5 * self.width
         corner = np.sqrt(half * half + side * side)
         fits = (square > NOWHERE) & (along[0] * along[1] > 0.0)
         fits &= np.logical_and.reduce(np.abs(aside) <= np.abs(along), axis=0)
-        slope = aside / along
+        slope = first, second = aside / along
         grow = 1.0 + slope * slope
-        bent = bends * way * (grow * np.sqrt(grow))
-        turn = slope[1] - slope[0]
-        lean = 0.5 * (bent[0] - bent[1])
-        sway = -3.0 * (slope[0] + slope[1])
+        early, late = bends * way * (grow * np.sqrt(grow))
+        turn = second - first
+        lean = 0.5 * (early - late)
+        sway = -3.0 * (first + second)
         slip = np.abs(lean - sway)
-        even = np.abs(0.5 * (bent[0] + bent[1]) - turn)
+        even = np.abs(0.5 * (early + late) - turn)
         turn, sway, leaning = np.abs(turn), np.abs(sway), np.abs(lean)
         steep = turn + leaning
-        off = even + WINDING * leaning * (steep * steep)
-        wanted = corner * steep
-        count = 1 + STEPS.searchsorted(wanted)
-        turning = corner * (2.0 * leaning + steep * steep)
+        steeper = steep * steep
+        off = even + WINDING * leaning * steeper
+        count = 1 + STEPS.searchsorted(corner * steep)
+        turning = corner * (2.0 * leaning + steeper)
         bulge = way * (turn + sway * (1.0 - EVEN / count)) + turning
         more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
         whole = way * (turn + sway * (1.0 - EVEN)) + turning
@@ -112,7 +112,7 @@ class Curves:
         self.reach = more + whole
         self.short = np.where(count == 1, -more, whole + 0.5 * corner * turn)
         #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
-        self._shape = np.stack([*move, *slope, lean, np.copysign(1.0, along[0])])
+        self._shape = np.array([dx, dy, first, second, lean, np.copysign(1.0, along[0])])
 
     def _at_random(self, way: Floats, corner: float | Floats) -> Floats:
         """How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
