@@ -21,7 +21,7 @@ from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
-from trackmarshal.backends.numpy.whole.values import Floats, Pair, pairs
+from trackmarshal.backends.numpy.whole.values import Bools, Floats, Pair, pairs
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import UNDEFINED
 
@@ -204,35 +204,34 @@ class Looking:
         if not (isinstance(node, ir.OverRun) and node.op == "until"):
             return self.value(node, about, now)
         times = self.times(node)
-        sat, fails = times.true[chosen] == now, times.false[chosen] == now
-        true, false, margin = np.flatnonzero(sat), np.flatnonzero(fails), np.zeros(len(about))
-        margin[true] = self._reached(node, about.take(true), now.take(true))
-        margin[false] = self._broken(node, about.take(false), now.take(false))
+        sat, fails = _at(times.true, chosen) == now, _at(times.false, chosen) == now
+        margin = self._decisive(node, chosen, now, sat)
         side = sat, margin
         found = values.of(side, side)
-        if len(true) + len(false) == len(about):
+        if np.count_nonzero(sat) + np.count_nonzero(fails) == len(about):
             return found
         rest = np.flatnonzero(~(sat | fails))
         return values.put(found, rest, self.value(node, about.take(rest), now.take(rest)))
 
-    def _reached(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
-        """The margins of `until` where its goal is reached now. No goal in the window before says more: their margins are not above zero, and all others
-        here not below."""
-        held, goal = (self._operand(operand)[0][1] for operand in node.operands)
-        first, last = self._among(about), self._among(now)
-        found: Floats = np.minimum(goal.take(last), Spans(held, None, MARGIN).all(Levels(first, last)))
+    def _decisive(self, node: ir.OverRun, chosen: Choice, now: Indices, sat: Bools) -> Floats:
+        """The margins of `until` about some cycles: where its goal is reached now (`sat`), and where now what had to hold does not, or the window is
+        closed. No other goal says more: of those before, and of all where it fails, no margin is above zero, and of what held none is below."""
+        windows, last = self._windows(node), self._among(now)
+        of = chosen if self._elements.cycles is None else self._at[chosen]
+        first = self._at[chosen]
+        end = np.minimum(_edge_of(windows.end, of, first, windows.n), last + 1)
+        begin = np.minimum(_edge_of(windows.begin, of, first, windows.n), end)
+        inside, low, best = Levels(begin, end), *(self._spans_of(node, best, 1, MARGIN) for best in (0, 1))
+        reached = low.until(inside)
+        broken = reached if best is low else best.until(inside)
+        if node.lower:  # what has to hold until then has to on the way to the window, too
+            true = np.flatnonzero(sat)
+            before = low.all(Levels(first.take(true), begin.take(true)))
+            reached[true] = np.minimum(reached.take(true), before)
+        held = self._operand(node.operands[0])[1][1].take(last)
+        open_ = now < _at(self._closed(node), chosen)
+        found: Floats = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
         return found
-
-    def _broken(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
-        """The margins of `until` where now what had to hold does not, or the window is closed. What held before takes nothing from goals: the margin of
-        none is above zero."""
-        held, goal = (self._operand(operand)[1][1] for operand in node.operands)
-        windows, first, last = self._windows(node), self._among(about), self._among(now)
-        end = np.minimum(_edge_of(windows.end, first, windows.n), last + 1)
-        begin = np.minimum(_edge_of(windows.begin, first, windows.n), end)
-        found = Spans(None, goal, MARGIN).until(Levels(begin, end))
-        open_ = now < self._closed(node).take(about)
-        return np.maximum(found, held.take(last), out=found, where=open_)
 
     def _among(self, places: Indices) -> Indices:
         """Where some cycles are among the elements."""
@@ -350,9 +349,14 @@ class Looking:
         return np.append(times, NEVER)[self._at + 1]
 
 
-def _edge_of(edge: Edge, of: Indices, n: int) -> Indices:
-    """The edges of the windows of some elements."""
-    return np.minimum(of + edge, n) if isinstance(edge, int) else edge.take(of)
+def _at(array: Indices, chosen: Choice) -> Indices:
+    """Some of an array: no copy of what are neighbours."""
+    return array[chosen] if isinstance(chosen, slice) else array.take(chosen)
+
+
+def _edge_of(edge: Edge, chosen: Choice, elements: Indices, n: int) -> Indices:
+    """The edges of the windows of some elements, which are chosen, too."""
+    return np.minimum(elements + edge, n) if isinstance(edge, int) else _at(edge, chosen)
 
 
 def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:

@@ -73,5 +73,4 @@ class Firsts:
             possible = reached if may is sure else self._inside(self._after(may))
             open_ = (possible < end) & (possible <= broken)
         false = np.where(broken < end, self._places(broken), STAYS)
-        np.copyto(false, NEVER, where=open_)
-        return true, false
+        return true, np.where(open_, NEVER, false)

@@ -169,8 +169,9 @@ class Ahead:
         if isinstance(chosen, slice):
             skipped = max(0, begin - chosen.start)  # those before the piece are decided later than there
             into = slice(chosen.start + skipped - begin, max(0, chosen.stop - begin))
-            for each, found in zip(own, (codes, margins)):
-                np.copyto(each[into], found[skipped:], where=here[skipped:])
+            said = here[skipped:]
+            own[0][into] = np.where(said, codes[skipped:], OPEN)
+            own[1][into] = np.where(said, margins[skipped:], np.nan)
         else:
             at = np.flatnonzero(here)
             own[0][about.take(at) - begin], own[1][about.take(at) - begin] = codes.take(at), margins.take(at)
