@@ -59,10 +59,7 @@ class Now:
         known = self._known.get(key)
         if known is None:
             like = self.like
-            if like is None or not self.shares(node):
-                known = self._leaf(node, ids)
-            else:
-                known = like.leaf(node, ids)
+            known = like.leaf(node, ids) if like is not None and self.shares(node) else self._leaf(node, ids)
             self._known[key] = known
         return known
 

@@ -21,7 +21,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.course import Courses, Lived
 from trackmarshal.runtime.cycle import DRIVING
-from trackmarshal.runtime.driven import as_driven, driving, drives_on, in_doubt
+from trackmarshal.runtime.driven import as_driven, drives_on, driving, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.saving import Piece, Pieces

@@ -176,7 +176,7 @@ class Ahead:
             at = np.flatnonzero(here)
             own[0][about.take(at) - begin], own[1][about.take(at) - begin] = codes.take(at), margins.take(at)
         rest = np.flatnonzero(~here)
-        return own, _Decided(*(array.take(rest) for array in (about, now, codes, margins)))
+        return own, _Decided(about.take(rest), now.take(rest), codes.take(rest), margins.take(rest))
 
     def _said(self, looked: _Looked, about: Indices, value: Value) -> tuple[Codes, Floats]:
         """What a value of the formula about some cycles is to the rule."""
