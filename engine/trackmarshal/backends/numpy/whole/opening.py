@@ -185,19 +185,21 @@ class Ahead:
 
     def _keep(self, before: _Kept | None, looked: _Looked) -> None:
         """Forget all before the oldest cycle that is open. before: what was kept; looked: what is undecided of that, and the next cycles."""
-        pending = looked.kept.pending & (looked.final == NEVER)
-        undecided = pending & (looked.first == NEVER)
-        here = looked.kept._replace(pending=pending, undecided=_first_of(undecided))
-        if before is not None and before.undecided:
-            old = before.part(0, before.undecided)
-            # Windows close in order: of those that are older, none is open.
-            open_ = old.part(int(np.count_nonzero(here.stamps[-1] - old.stamps >= self._reach)))
-            if open_.pending.any():
-                kept = open_.part(_first_of(open_.pending))
-                self._kept = _joined(kept, here)._replace(undecided=len(kept.stamps) + here.undecided)
+        stamps, closed = looked.kept.stamps, int(looked.kept.stamps[-1]) - self._reach
+        # Windows close in order: only of these may any be open, of which the last cycle is one if it waits for the next.
+        begin = min(int(np.searchsorted(stamps, closed, "right")), len(stamps) - 1)
+        rest = looked.kept.part(begin)
+        pending = rest.pending & (looked.final[begin:] == NEVER)
+        undecided = _first_of(pending & (looked.first[begin:] == NEVER))
+        rest = rest._replace(pending=pending)
+        if before is not None:
+            old = before.part(int(np.searchsorted(before.stamps, closed, "right")), before.undecided)
+            if old.pending.any():
+                old = old.part(_first_of(old.pending))
+                self._kept = _joined(old, rest)._replace(undecided=len(old.stamps) + undecided)
                 return
-        begin = _first_of(pending)
-        rest = here.part(begin)._replace(undecided=here.undecided - begin)
+        first = _first_of(pending)
+        rest = rest.part(first)._replace(undecided=undecided - first)
         self._kept = rest.copy() if len(rest.stamps) else None
 
 

@@ -46,7 +46,7 @@ class Spans:
             self._held.append(None if held is None else carrier.meet(held[:-step], held[step:]))
             if goal is not None:
                 later = goal[step:] if held is None else carrier.meet(held[:-step], goal[step:])
-                goal = carrier.join(goal[:-step], later)
+                goal = carrier.join(goal[:-step], later, out=None if held is None else later)
             self._goal.append(goal)
         return self._held[level], self._goal[level]
 
