@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 from unittest import mock
 
@@ -131,6 +131,26 @@ def test_until_and_since(case: Case, past: bool) -> None:
         found = getattr(temporal, operator)(*stacked(case.p), *stacked(case.q), w)
     expected = [getattr(reference, operator)(*p, *q, spelled_out) for p, q in zip(case.p, case.q)]
     assert_same(found, expected)
+
+
+@unhurried
+@given(cases(), st.booleans(), st.integers(0, 39))
+def test_windows_of_some(case: Case, past: bool, fewer: int) -> None:
+    """Those nearest to where windows look to are said as if all were asked for."""
+    w = temporal.windows(np.array(case.t, dtype=np.float64), case.lower, case.upper, past)
+    asked = max(w.n - fewer, min(w.n, 1))
+    begin, end = (edge if isinstance(edge, int) else edge[:asked] for edge in (w.begin, w.end))
+    few = replace(w, begin=begin, end=end, asked=asked)
+    operator, both = (temporal.since if past else temporal.until), (*stacked(case.p), *stacked(case.q))
+    with mock.patch.object(blocks, "BLOCK", case.block):
+        for found, whole in (
+            (operator(*both, few), operator(*both, w)),
+            (temporal.always(*both[:2], few), temporal.always(*both[:2], w)),
+        ):
+            for some, every in zip(found, whole):
+                own = every[:, w.n - asked :] if past else every[:, :asked]
+                assert some.shape == own.shape
+                assert some.tobytes() == own.tobytes()
 
 
 @unhurried

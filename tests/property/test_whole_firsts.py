@@ -68,6 +68,18 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
             assert is_false == STAYS
 
 
+@given(st.lists(_CYCLE, min_size=1, max_size=14), st.integers(0, 5), st.integers(0, 8), st.integers(1, 28))
+@settings(max_examples=10 * EXAMPLES, deadline=None)
+def test_windows_back_from_the_last_elements(cycles: list[Any], lower: int, length: int, asked: int) -> None:
+    stamps = np.cumsum([10 * cycle[0] for cycle in cycles]).astype(np.int64)
+    own = elements(stamps, np.array([cycle[1] for cycle in cycles]), None)
+    asked = min(asked, len(own))
+    every, few = (own.back(10 * lower, 10 * (lower + length), count) for count in (len(own), asked))
+    assert few.start.tolist() == every.start.tolist()[-asked:]
+    assert few.stop.tolist() == every.stop.tolist()[-asked:]
+    assert few.longest == (few.stop - few.start).max()
+
+
 def _end(windows: Any, at: int) -> int:
     """The end of an empty window: what has to hold has to hold until there."""
     return min(at + windows.end, windows.n) if isinstance(windows.end, int) else int(windows.end[at])

@@ -9,7 +9,7 @@ import random
 import numpy as np
 import pytest
 
-from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER, Side
+from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER, Side, Value
 from trackmarshal.backends.numpy.views import LISTED, Reading
 
 
@@ -32,9 +32,14 @@ def test_every_entry(size: int) -> None:
         apart = np.array([draw.random() < 0.5 for _ in range(count)]).reshape(shape)
         whole = (size, *np.broadcast_shapes(shape[1:], (3, 2) if shape[1:] in ((1, 1), ()) else shape[1:]))
         margins, sats = np.broadcast_to(margin, whole), np.broadcast_to(apart, whole)
-        readings = {
-            says: Reading(Side(margin, says, apart if says == NEITHER else None), size)
+        sides = {
+            says: Side(margin, says, apart if says == NEITHER else None)
             for says in (AT_LEAST, ABOVE, BOTH, NEITHER)
+        }
+        readings = {says: Reading(Value(side, side), size) for says, side in sides.items()}
+        # The best case may be shared among more cases than the worst one.
+        apart_of_best = {
+            says: Reading(Value(side, Side(np.array(7.0), BOTH)), size) for says, side in sides.items()
         }
         for index, first, second in itertools.product(*map(range, whole)):
             wanted = float(margins[index, first, second])
@@ -42,7 +47,12 @@ def test_every_entry(size: int) -> None:
                 AT_LEAST: wanted >= 0.0, BOTH: wanted >= 0.0, ABOVE: wanted > 0.0, NEITHER: bool(sats[index, first, second]),
             }  # fmt: skip
             for says, reading in readings.items():
-                found = reading.at(index, {0: first, 1: second})
+                truth = reading.at(index, {0: first, 1: second})
+                assert truth.best is truth.worst
+                found = truth.worst
+                other = apart_of_best[says].at(index, {0: first, 1: second})
+                assert repr(other.worst) == repr(found)
+                assert other.best == (True, 7.0)
                 assert np.float64(found.margin).tobytes() == np.float64(wanted).tobytes()
                 assert found.sat is holds[says]
                 assert type(found.margin) is float
@@ -50,6 +60,6 @@ def test_every_entry(size: int) -> None:
 
 @pytest.mark.parametrize("position", [-1, 3, 4])
 def test_an_entry_beyond_the_axis_is_not_another_case(position: int) -> None:
-    margin = np.arange(6.0).reshape(2, 3)
+    side = Side(np.arange(6.0).reshape(2, 3), BOTH)
     with pytest.raises(IndexError):
-        Reading(Side(margin, BOTH), 2).at(0, {0: position})
+        Reading(Value(side, side), 2).at(0, {0: position})

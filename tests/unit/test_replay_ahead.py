@@ -10,6 +10,7 @@ from unittest import mock
 
 import pytest
 
+from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.over_run import program
 from trackmarshal.backends.over_run.streaming import Streaming
 from trackmarshal.cli.replay import evaluator_for
@@ -75,6 +76,28 @@ def test_ahead_and_in_step(name: str, backend: str) -> None:
     verdicts = {VERDICTS[code] for one in ahead for said in one[1].values() for code in said[0]}
     assert "satisfied" in verdicts
     assert sum(bool(one[4]) for one in ahead) == 3
+
+
+@pytest.mark.parametrize("name", ["squeezed", "yellow_flag"])
+def test_what_a_fallback_drives_on_is_evaluated_at_once(name: str) -> None:
+    evaluated = NumpyProgram.outcomes
+    said, batches = [], []
+    for guessed in (0, 7):
+        batches.append(list[int]())
+
+        def outcomes(self: NumpyProgram, frames: Any, sizes: list[int] = batches[-1]) -> Any:
+            sizes.append(len(frames))
+            return evaluated(self, frames)
+
+        with (
+            mock.patch.object(program, "_GUESSED", guessed),
+            mock.patch.object(NumpyProgram, "outcomes", outcomes),
+        ):
+            said.append([strip(one) for one in outcome(name, "numpy")])
+    assert said[0] == said[1]
+    one_by_one, at_once = batches
+    assert set(one_by_one[1:]) == {1}
+    assert 2 * len(at_once[1:]) <= len(one_by_one[1:])
 
 
 def strip(one: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -8,8 +8,12 @@ from typing import Any
 
 import pytest
 
+from trackmarshal.backends.over_run.machines import begun, stepped
 from trackmarshal.cli.main import main
 from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.ir import nodes as ir
+from trackmarshal.runtime.kleene import FALSE
+from trackmarshal.runtime.verdict import Truth
 from unit.test_supervisor_remembers import Rig, names
 
 BACKENDS = ("reference", "numpy", "c")
@@ -47,6 +51,22 @@ rule gone "Whoever is passed stays so"
   for all o in objects where role(o) is passed
   require abs(o.x - ego.x) > 40 m
 """
+
+
+def test_only_ways_out_of_a_state_are_asked() -> None:
+    rule = loads(OVERTAKING).rule("gone")
+    assert rule is not None
+    assert rule.formula is not None
+    (machine,) = {node.machine for node in ir.below(rule.formula) if isinstance(node, ir.InState)}
+    asked = []
+
+    def guard(place: int) -> Truth:
+        asked.append(place)
+        return FALSE
+
+    after = stepped(machine, begun(machine, 0), 1, guard, lambda _: 0.0)
+    assert after == begun(machine, 0)
+    assert asked == [0, 1]  # nobody passes whom they neither attack nor defend against
 
 
 def cycle(

@@ -34,9 +34,13 @@ def drives_on(frame: Frame, decision: Decision | None) -> bool:
 
 def as_driven(frame: Frame, decision: Decision | None) -> Frame:
     """A frame with the `plan` that was decided to be driven, unusable where there was none; a case stays as it is."""
-    if decision is None or not frame.candidates:
+    return frame if decision is None else driving(frame, decision.driven, decision.t)
+
+
+def driving(frame: Frame, driven: Plan | None, t: float) -> Frame:
+    """The same, given what is driven at a stamp."""
+    if not frame.candidates:
         return frame
-    driven = decision.driven
     emergency = driven is not None and driven.candidate == EMERGENCY
     events = {**frame.events, IS_EMERGENCY: int(emergency)}
     columns, faults = dict(frame.columns), list[Fault]()
@@ -45,7 +49,7 @@ def as_driven(frame: Frame, decision: Decision | None) -> Frame:
         some = next(iter(frame.candidates.values()))
         columns |= {PLAN: some, FOLLOWED: some}
     else:
-        now = _from_now(driven, decision.t)
+        now = _from_now(driven, t)
         columns |= {PLAN: now, FOLLOWED: now}
     return Frame(
         frame.id, frame.settings, columns, events, frame.lines, frame.closed, {}, faults, frame.orders, t=frame.t,

@@ -151,8 +151,8 @@ class Run:
         self.batch = batch
         self._values = values
         self._made: dict[ir.IR, Value] = {}
-        #: What has been asked of single cases: the worst and the best case of formulas.
-        self.readings: dict[ir.IR, tuple[Reading, Reading]] = {}
+        #: What has been asked of single cases.
+        self.readings: dict[ir.IR, Reading] = {}
         self._recalled: dict[ir.IR, dict[tuple[str, ...], Run]] = {}
 
     def of(self, node: ir.Formula) -> Value:

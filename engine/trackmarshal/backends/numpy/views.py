@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from trackmarshal.backends.numpy import places
 from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Side, Value
 from trackmarshal.backends.witness import Sides, unknown_in
@@ -21,50 +23,53 @@ if TYPE_CHECKING:
 LISTED = 32
 
 
-class _Entries:
-    """An array's values as Python's, by case and by what variables stand for."""
+class Reading:
+    """A formula's value, by case and by what variables stand for: one entry of arrays of one shape, as Python's numbers."""
 
-    __slots__ = ("_lengths", "_steps", "_take")
+    __slots__ = ("_best", "_lengths", "_steps", "_worst")
 
-    def __init__(self, array: Any, size: int) -> None:
-        few = array.size <= LISTED * size
-        self._take: Callable[[int], Any] = array.ravel().tolist().__getitem__ if few else array.item
+    def __init__(self, value: Value, size: int) -> None:
+        sides = [value.worst] if value.best is value.worst else [value.worst, value.best]
+        given = [side.margin for side in sides] + [side.sat for side in sides if side.says == NEITHER]
+        self._lengths = np.broadcast_shapes(*(array.shape for array in given))
+        bounds = [_bounds(side, self._lengths, size) for side in sides]
+        self._worst, self._best = bounds[0], bounds[1] if len(bounds) > 1 else None
         #: By axis how many values further the next entry is: none where all have the same one.
         self._steps: list[int] = []
-        self._lengths = array.shape
         step = 1
-        for length in reversed(array.shape):
+        for length in reversed(self._lengths):
             self._steps.insert(0, 0 if length == 1 else step)
             step *= length
 
-    def at(self, index: int, env: Mapping[int, int]) -> Any:
-        steps = self._steps
-        if not steps:
-            return self._take(0)
-        place = index * steps[0]
-        for level, position in env.items():
-            step = steps[1 + level]
-            if step and not 0 <= position < self._lengths[1 + level]:  # there is another one's value
-                raise IndexError(f"entry {position} of {self._lengths[1 + level]}")
-            place += position * step
-        return self._take(place)
+    def at(self, index: int, env: Mapping[int, int]) -> Truth:
+        steps, place = self._steps, 0
+        if steps:
+            place = index * steps[0]
+            for level, position in env.items():
+                step = steps[1 + level]
+                if step and not 0 <= position < self._lengths[1 + level]:  # there is another one's value
+                    raise IndexError(f"entry {position} of {self._lengths[1 + level]}")
+                place += position * step
+        worst = self._worst(place)
+        return Truth(worst, worst if self._best is None else self._best(place))
 
 
-class Reading:
-    """One side of a formula's value, case by case."""
+def _bounds(side: Side, shape: tuple[int, ...], size: int) -> Callable[[int], Bound]:
+    """What gives a side by the place of an entry."""
+    margins = np.broadcast_to(side.margin, shape)
+    few = margins.size <= LISTED * size
+    margin_at: Callable[[int], float] = margins.ravel().tolist().__getitem__ if few else margins.item
+    if few or side.says == NEITHER:
+        sats = np.broadcast_to(side.sat, shape)
+        sat_at: Callable[[int], bool] = sats.ravel().tolist().__getitem__ if few else sats.item
+        return lambda place: Bound(sat_at(place), margin_at(place))
+    at_zero = bool(side.says & AT_LEAST)
 
-    __slots__ = ("_at_zero", "_margins", "_sats")
+    def bound(place: int) -> Bound:
+        margin = margin_at(place)
+        return Bound(margin > 0.0 or (at_zero and margin == 0.0), margin)
 
-    def __init__(self, side: Side, size: int) -> None:
-        self._margins = _Entries(side.margin, size)
-        self._sats = _Entries(side.sat, size) if side.says == NEITHER else None
-        self._at_zero = bool(side.says & AT_LEAST)
-
-    def at(self, index: int, env: Mapping[int, int]) -> Bound:
-        margin = self._margins.at(index, env)
-        if self._sats is not None:
-            return Bound(self._sats.at(index, env), margin)
-        return Bound(margin > 0.0 or (self._at_zero and margin == 0.0), margin)
+    return bound
 
 
 class CaseView:
@@ -82,12 +87,8 @@ class CaseView:
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
         made = self._run.readings.get(node)
         if made is None:
-            value, size = self._of(node), self._run.batch.size
-            worst = Reading(value.worst, size)
-            made = worst, worst if value.best is value.worst else Reading(value.best, size)
-            self._run.readings[node] = made
-        bound = made[0].at(self._index, env)
-        return Truth(bound, bound if made[1] is made[0] else made[1].at(self._index, env))
+            made = self._run.readings[node] = Reading(self._of(node), self._run.batch.size)
+        return made.at(self._index, env)
 
     def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
         return self._run.recalled(node, kept, self._index).truth(node, env)

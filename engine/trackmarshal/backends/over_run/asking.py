@@ -48,9 +48,9 @@ def _part(part: ir.Formula, levels: tuple[int, ...]) -> Asking:
         pick = _picking(part, levels)
         return lambda present, key: present.now.leaf(part, pick(key))
     if _levels(part) == levels:
-        return lambda present, key: present.leaf(part, key)
+        return lambda present, key: present.over_run(part, key)
     pick = _picking(part, levels)
-    return lambda present, key: present.leaf(part, pick(key))
+    return lambda present, key: present.over_run(part, pick(key))
 
 
 @cache
@@ -71,7 +71,7 @@ def stepping(machine: ir.Machine) -> Callable[[Present, Key], Possible]:
             machine,
             present.cells.before(machine, key, present),
             present.now.t,
-            [guard(present, key) for guard in guards],
+            lambda place: guards[place](present, key),
             lambda number: present.now.measured(number, _picking(number, levels)(key)),
         )
 

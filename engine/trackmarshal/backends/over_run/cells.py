@@ -11,6 +11,7 @@ from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recall
 from trackmarshal.backends.over_run.lives import ANY_CYCLES, Arrivals, Lives
 from trackmarshal.backends.over_run.machines import Possible, begun, unknown, widened
 from trackmarshal.backends.over_run.now import Now
+from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
@@ -82,6 +83,8 @@ class Cells:
             if axis.forget
         }
         self._since: dict[tuple[Holder, Key], tuple[int, int]] = {}
+        #: Of which something is remembered of elements that are absent.
+        self._lasting = {holder for holder in holders if any(axis.forget for axis in sets_of(holder))}
 
     def at(self, now: Now) -> Present:
         """The present cycle, after all that is remembered."""
@@ -132,7 +135,9 @@ class Cells:
         ]
         since: dict[tuple[Holder, Key], tuple[int, int]] = {}
         for node, values in found:
-            held = {key: one for key, one in self._held[node].items() if not present.over(node, key)}
+            held = self._held[node]
+            if present.lives:
+                held = {key: one for key, one in held.items() if not present.over(node, key)}
             later = dict[Key, Any]()
             for key, operands in values:
                 if isinstance(node, ir.Machine):
@@ -144,7 +149,7 @@ class Cells:
                     items = self._items(node, key, present, operands, known is not None)
                     later[key] = _empty(node) if known is None else known
                     later[key].add(now.t, items)
-            if _lasting(node):
+            if node in self._lasting:
                 since |= {(node, key): (now.t, 0) for key in later}
                 for key in held.keys() - later.keys():
                     if _gone(node, key, now):
@@ -210,11 +215,6 @@ class Cells:
         return items if gap is None else [Item(*gap[:2], fold.gap(len(values), gap[2])), *items]
 
 
-def _lasting(holder: Holder) -> bool:
-    """Whether something is remembered of elements that are absent."""
-    return any(axis.forget for axis in sets_of(holder))
-
-
 def _gone(holder: Holder, key: Key, now: Now) -> bool:
     """Whether one of these elements is not there, and its set knows nobody again."""
     return any(
@@ -236,18 +236,22 @@ class Present:
     lives: Mapping[str, tuple[Lives, Arrivals]]
     #: After the same past, what `now` is like.
     like: Present | None = None
+    #: What each rule says, where it was asked for.
+    outcomes: Sequence[Outcome] = ()
     _known: dict[tuple[ir.Formula, Key], Truth] = field(default_factory=dict)
     _machines: dict[tuple[ir.Machine, Key], Possible] = field(default_factory=dict)
 
     def leaf(self, node: ir.Formula, key: Key) -> Truth:
         """The value of a formula for elements of the sets that its variables are of."""
-        if parts_of(node) is None:
-            return self.now.leaf(node, key)
+        return self.now.leaf(node, key) if parts_of(node) is None else self.over_run(node, key)
+
+    def over_run(self, node: ir.Formula, key: Key) -> Truth:
+        """The same of a formula that is no leaf."""
         known = self._known.get((node, key))
         if known is None:
             like = self.like
             if like is not None and self.now.shares(node):
-                known = like.leaf(node, key)
+                known = like.over_run(node, key)
             else:
                 known = asking(node)(self, key)
             self._known[node, key] = known

@@ -240,7 +240,7 @@ class History:
                 machine,
                 possible,
                 now.t,
-                guards,
+                guards.__getitem__,
                 lambda number, now=now: now.measured(number, _named(number, ids)),  # type: ignore[misc]
             )
         return possible

@@ -7,7 +7,7 @@ strong Kleene logic allows: the first transition whose guard surely holds ends t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
@@ -28,15 +28,19 @@ def stepped(
     machine: ir.Machine,
     before: Possible,
     t: int,
-    guards: Sequence[Truth],
+    guards: Callable[[int], Truth],
     measured: Callable[[ir.Num], float],
 ) -> Possible:
-    """A machine after a cycle with the stamp t, in which its guards have these values, and `measured` gives the numbers that it remembers."""
+    """A machine after a cycle with the stamp t. guards: the values of its guards there, by their places: asked for where a state that it may be in
+    has that way out; measured: the numbers that it remembers."""
     after: dict[str, Held] = {}
     for state, held in before.items():
         stays = True
-        for number, (target, sources, guard) in enumerate(zip(machine.targets, machine.sources, guards)):
-            if state not in sources or not guard.best.sat:
+        for number, (target, sources) in enumerate(zip(machine.targets, machine.sources)):
+            if state not in sources:
+                continue
+            guard = guards(number)
+            if not guard.best.sat:
                 continue
             _add(after, target, (t, *_remembered(machine, number, held, measured)))
             if guard.worst.sat:

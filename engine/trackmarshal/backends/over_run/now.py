@@ -49,6 +49,8 @@ class Now:
 
     def combinations(self, axes: tuple[ir.Axis, ...]) -> list[tuple[str, ...]]:
         """What variables of some sets can stand for: one of nothing where there are none."""
+        if len(axes) == 1:  # mostly
+            return [(name,) for name in self.ids[axes[0].signal]]
         return list(product(*(self.ids[axis.signal] for axis in axes)))
 
     def leaf(self, node: ir.Formula, ids: tuple[str, ...]) -> Truth:
@@ -56,8 +58,9 @@ class Now:
         key = node, ids
         known = self._known.get(key)
         if known is None:
-            like = self.like if self.shares(node) else None
-            known = self._known[key] = self._leaf(node, ids) if like is None else like.leaf(node, ids)
+            like = self.like
+            known = like.leaf(node, ids) if like is not None and self.shares(node) else self._leaf(node, ids)
+            self._known[key] = known
         return known
 
     def shares(self, node: ir.Formula | ir.Machine) -> bool:
@@ -88,7 +91,11 @@ class Now:
 
     def env(self, node: ir.Formula | ir.Num, ids: tuple[str, ...]) -> dict[int, int]:
         """What the variables of a node stand for, as places in this cycle."""
-        return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(_sets(node), ids)}
+        axes = _sets(node)
+        if len(axes) == 1:  # mostly
+            (axis,) = axes
+            return {axis.level: self.ids[axis.signal].index(ids[0])}
+        return {axis.level: self.ids[axis.signal].index(name) for axis, name in zip(axes, ids)}
 
     def number(self, node: ir.Num) -> float:
         """A number that no input changes."""

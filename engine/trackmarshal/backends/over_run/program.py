@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import chain
+from itertools import chain, islice
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
@@ -21,7 +21,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.course import Courses, Lived
 from trackmarshal.runtime.cycle import DRIVING
-from trackmarshal.runtime.driven import as_driven, drives_on, in_doubt
+from trackmarshal.runtime.driven import as_driven, drives_on, driving, in_doubt
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
 from trackmarshal.runtime.saving import Piece, Pieces
@@ -29,12 +29,18 @@ from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
+    from trackmarshal.runtime.plan import Plan
 
 
 #: Verdicts' places in VERDICTS.
 _CODES = {name: code for code, name in enumerate(VERDICTS)}
 #: What depends on the candidate that is rated, or driven.
 _OF_CANDIDATES = frozenset((PLAN, FOLLOWED, IS_EMERGENCY))
+
+
+#: Cycles ahead for which it is guessed that they drive what is driven now: an emergency trajectory is driven for several, and to evaluate some at
+#: once takes hardly longer than one.
+_GUESSED = 7
 
 
 class Engine(Protocol):
@@ -90,6 +96,16 @@ class _Seen(NamedTuple):
     outcomes: Outcomes
 
 
+class _Guess(NamedTuple):
+    """A frame to come as it is if a plan is driven at a stamp, with what an evaluator of leaves says of it."""
+
+    frame: Frame
+    plan: Plan
+    t: float
+    driven: Frame
+    outcomes: Outcomes
+
+
 class Remembering:
     """A program of rules some of which are over the run. Raises AssertionError for frames without a stamp."""
 
@@ -114,6 +130,8 @@ class Remembering:
         self._places = _places(self.rules)
         #: Frames that were evaluated ahead, by their identity.
         self._ready: dict[int, tuple[Frame, list[_Seen]]] = {}
+        #: What was guessed of frames that were evaluated ahead, by their identity.
+        self._guessed: dict[int, _Guess] = {}
         #: The frame that was judged last, and the cycle as it is if its driving candidate is driven.
         self._last: tuple[Frame, Now] | None = None
 
@@ -147,7 +165,7 @@ class Remembering:
 
     def ahead(self, frames: Sequence[Frame]) -> None:
         """Evaluate together what does not depend on what is remembered of other cycles; whoever judges one of these frames next finds it there."""
-        self._ready = {}
+        self._ready, self._guessed = {}, {}
         if not self._courses.infos:
             found = self._seen([frame.seen() for frame in frames])
             self._ready = {id(frame): (frame, seen) for frame, seen in zip(frames, found)}
@@ -170,22 +188,38 @@ class Remembering:
             now = self._last[1]  # what is driven was judged as it is
         else:
             driven = self._courses.joined(memory.courses, as_driven(frame, decision))
-            now = self._driven(frame, driven)
+            now = self._driven(frame, driven, decision)
         self._last = None
         return Remembered(
             self._engine.commit(memory.state, now), self._courses.commit(memory.courses, now.frame)
         )
 
-    def _driven(self, frame: Frame, driven: Frame) -> Now:
+    def _driven(self, frame: Frame, driven: Frame, decision: Decision | None) -> Now:
         """A frame as it was driven, instead of how it was judged: no rule has a verdict of that, and but for the plan it is the same."""
         if self._engine.shares and self._last is not None and self._last[0] is frame:
             like = self._last[1]
             differs = differing(driven, like.frame)
             if differs is not None and differs <= _OF_CANDIDATES:
-                (outcome,) = self._changing.outcomes([driven])
+                driven, outcome = self._changed(frame, driven, decision)
                 return happening(driven, outcome.values(), like)
         (outcome,) = self._leaves.outcomes([driven])
         return happening(driven, outcome.values())
+
+    def _changed(self, frame: Frame, driven: Frame, decision: Decision | None) -> tuple[Frame, Outcomes]:
+        """The leaves that the plan changes, in a frame as it was driven; with those to come in which it may be driven on."""
+        plan = None if decision is None else decision.driven
+        guess = self._guessed.pop(id(frame), None)
+        if guess is not None and guess.frame is frame and decision is not None:
+            if guess.plan is plan and guess.t == decision.t:
+                return guess.driven, guess.outcomes
+        coming: list[tuple[Frame, Plan, float, Frame]] = []
+        if plan is not None:
+            for one, _ in islice(self._ready.values(), _GUESSED):
+                if one.t is not None and not one.faults:
+                    coming.append((one, plan, one.t, driving(one, plan, one.t)))
+        own, *others = self._changing.outcomes([driven, *(one[3] for one in coming)])
+        self._guessed = {id(one[0]): _Guess(*one, found) for one, found in zip(coming, others)}
+        return driven, own
 
     @cached_property
     def _leaves(self) -> Stateless:

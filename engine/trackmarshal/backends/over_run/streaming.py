@@ -60,7 +60,7 @@ class Streaming:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
-        by_rule = [
+        by_rule = self._by_rule = [
             [formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules
         ]
         self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
@@ -100,7 +100,8 @@ class Streaming:
         present = self._at(self._fresh(state), now)
         self._judged = *self._judged[-1:], (state, present)
         if not self._looks_ahead:
-            return [self._at_once(rule, present) for rule in self._rules]
+            found = present.outcomes = self._all_at_once(present)
+            return found
         return self._outcomes(state, [*state.cycles, self._past(state, now, present)], present)
 
     def without(self, state: _Kept, now: Now) -> Without:
@@ -168,6 +169,17 @@ class Streaming:
         return [
             self._open(rule, state, pending, now, history) if open_ else self._at_once(rule, present)
             for rule, open_, pending in zip(self._rules, self._ahead, state.pending)
+        ]
+
+    def _all_at_once(self, present: Present) -> list[Outcome]:
+        """What rules say that look back alone; of one that cannot tell two candidates apart, what it said of the other one."""
+        like = present.like
+        if like is None or not like.outcomes:
+            return [self._at_once(rule, present) for rule in self._rules]
+        shares = present.now.shares
+        return [
+            said if all(map(shares, formulas)) else self._at_once(rule, present)
+            for rule, formulas, said in zip(self._rules, self._by_rule, like.outcomes)
         ]
 
     @staticmethod

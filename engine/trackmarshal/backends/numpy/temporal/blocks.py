@@ -49,13 +49,14 @@ def blocks(w: Windows) -> Iterator[Block]:
     """All windows in blocks; together the blocks look at no more than a small multiple of n samples."""
     if w.longest == 0:
         return
-    for first, last in cuts(w.n, 2 * w.longest):
+    for first, last in cuts(w.asked, 2 * w.longest):
         yield _uniform(w, first, last) if w.uniform else _general(w, first, last)
 
 
 def cuts(n: int, least: int = 1) -> list[tuple[int, int]]:
-    """The samples [0, n) in consecutive stretches [first, last) of a block, or of `least` if that is more."""
-    size = max(BLOCK, least)
+    """The samples [0, n) in consecutive stretches [first, last) of about a block, or of `least` if that is more, all of one length: a short
+    last one would look at as many samples beyond as the others."""
+    size = -(-n // max(1, round(n / max(BLOCK, least)))) or 1
     return [(first, min(first + size, n)) for first in range(0, n, size)]
 
 

@@ -32,8 +32,12 @@ class Carrier:
             raise TypeError(
                 f"{w.n} samples of {self.dtype.__name__} expected, not {values.shape} of {values.dtype}"
             )
-        rows = values.reshape(-1, w.n) if w.n else values.reshape(0, 0)
-        return rows[:, ::-1] if w.past else rows
+        return _directed(values, w)
+
+    def results(self, samples: tuple[int, ...], w: Windows, neutral: float | bool) -> tuple[Rows, Rows]:
+        """Room for what is said of samples of a shape (..., n): (..., asked), neutral, and the same as rows in the windows' direction."""
+        made: Rows = np.full((*samples[:-1], w.asked), neutral, dtype=self.dtype)
+        return made, _directed(made, w)
 
     def fetch(self, rows: Rows, low: int, high: int, beyond: float | bool) -> Rows:
         """A copy of the samples [low, high) to work in, `beyond` standing for those after the trace's end.
@@ -45,6 +49,12 @@ class Carrier:
         np.add(rows[:, low : low + inside], self.dtype(0), out=buffer[:, :inside])
         buffer[:, inside:] = beyond
         return buffer
+
+
+def _directed(values: Rows, w: Windows) -> Rows:
+    count = values.shape[-1]
+    rows = values.reshape(-1, count) if count else values.reshape(0, 0)
+    return rows[:, ::-1] if w.past else rows
 
 
 VERDICT = Carrier(np.logical_and, np.logical_or, True, False, np.bool_)

@@ -22,7 +22,7 @@ def always(sat: BoolArray, margin: FloatArray, w: Windows) -> Bound:
 
     sat, margin: (..., n) of bool and float64; a NaN in margin, which the caller rules out, would spread to
     all windows that hold it.
-    Returns (sat, margin) of the same shape.
+    Returns (sat, margin), (..., asked), in the order of the timeline.
     """
     found = extrema([(sat, VERDICT), (margin, MARGIN)], w, least=True)
     return found[0], found[1]
@@ -43,9 +43,9 @@ def extrema(given: Sequence[tuple[Rows, Carrier]], w: Windows, *, least: bool) -
     sides: list[_Side] = []
     for values, carrier in given:
         better, neutral = (carrier.meet, carrier.top) if least else (carrier.join, carrier.bottom)
-        result: Rows = np.full(values.shape, neutral, dtype=carrier.dtype)
+        result, out = carrier.results(values.shape, w, neutral)
         found.append(result)
-        sides.append(_Side(carrier.rows(values, w), carrier.rows(result, w), carrier, better, neutral))
+        sides.append(_Side(carrier.rows(values, w), out, carrier, better, neutral))
     if w.unbounded:
         for side in sides:
             _to_the_end(side.rows, side.out, w, side.carrier, side.better)
@@ -90,7 +90,8 @@ def _to_the_end(rows: Rows, out: Rows, w: Windows, carrier: Carrier, better: np.
 def from_begin(rest: Rows, out: Rows, w: Windows) -> None:
     """Write to every sample with a window what `rest` holds at its begin; leave those without alone."""
     if isinstance(w.begin, int):
-        out[:, : max(w.n - w.begin, 0)] = rest[:, w.begin :]
+        count = max(min(w.asked, w.n - w.begin), 0)
+        out[:, :count] = rest[:, w.begin : w.begin + count]
     else:
         inside = int(np.searchsorted(w.begin, w.n))
         out[:, :inside] = rest.take(w.begin[:inside], axis=1)

@@ -24,7 +24,7 @@ def until(
     """max over the samples j of k's window of min(q[j], min of p over k..j-1).
 
     False and -inf over an empty window. All arrays (..., n), bool and float64, margins free of NaN. Returns
-    (sat, margin) of their common shape. Raises ValueError on past windows.
+    (sat, margin), (..., asked), in the order of the timeline. Raises ValueError on past windows.
     """
     if w.past:
         raise ValueError("`until` looks ahead: its windows are not past")
@@ -48,9 +48,9 @@ def held(given: Sequence[tuple[Rows, Rows, Carrier]], w: Windows) -> list[Rows]:
     sides: list[_Side] = []
     for one, other, carrier in given:
         p, q = np.broadcast_arrays(one, other)
-        result: Rows = np.full(p.shape, carrier.bottom, dtype=carrier.dtype)
+        result, out = carrier.results(p.shape, w, carrier.bottom)
         found.append(result)
-        sides.append(_Side(carrier.rows(p, w), carrier.rows(q, w), carrier.rows(result, w), carrier))
+        sides.append(_Side(carrier.rows(p, w), carrier.rows(q, w), out, carrier))
     if w.unbounded:
         for p, q, out, carrier in sides:
             from_begin(_to_the_end(p, q, carrier), out, w)

@@ -29,7 +29,8 @@ class Windows:
     """The windows of one operator on one timeline, half open, in the operator's direction; made by `windows`.
 
     n: samples of the timeline; past: the direction; begin, end: both edges of every window, never decreasing
-    from sample to sample, with k <= begin <= end <= n; longest: samples of the longest window.
+    from sample to sample, with k <= begin <= end <= n; longest: samples of the longest window; asked: only the first so many samples have a
+    window, all others are only looked at.
     """
 
     n: int
@@ -37,6 +38,7 @@ class Windows:
     begin: Edge
     end: Edge
     longest: int
+    asked: int
 
     @property
     def uniform(self) -> bool:
@@ -60,14 +62,14 @@ class Windows:
 
     def _ordered(self, edge: Edge) -> IndexArray:
         """An edge of all windows, counted in the timeline's order."""
-        index = edge_at(edge, 0, self.n, self.n)
+        index = edge_at(edge, 0, self.asked, self.n)
         return self.n - index[::-1] if self.past else index
 
     def lead(self) -> Windows:
         """The samples from each sample up to its window, without the window: where `until` demands p only."""
         begin = self.begin
-        longest = begin if isinstance(begin, int) else int((begin - np.arange(self.n)).max(initial=0))
-        return Windows(self.n, self.past, 0, begin, min(longest, self.n))
+        longest = begin if isinstance(begin, int) else int((begin - np.arange(self.asked)).max(initial=0))
+        return Windows(self.n, self.past, 0, begin, min(longest, self.n), self.asked)
 
 
 def windows(
@@ -103,7 +105,7 @@ def windows(
         longest = min(end - begin, n)
     else:
         longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-    return Windows(n, past, begin, end, longest)
+    return Windows(n, past, begin, end, longest, n)
 
 
 def _edge(t: FloatArray, bound: float, *, closed: bool) -> Edge:
@@ -146,7 +148,7 @@ def _of_spans(begins: FloatArray, ends: FloatArray, first: float, last: float, p
     begin: Edge = 0 if first == 0.0 else np.searchsorted(ends, begins + first, "left")
     end: Edge = n if last == math.inf else np.searchsorted(begins, begins + last, "right")
     longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-    return Windows(n, past, begin, end, longest)
+    return Windows(n, past, begin, end, longest, n)
 
 
 def edge_at(edge: Edge, first: int, last: int, n: int) -> IndexArray:

@@ -14,13 +14,14 @@ import numpy as np
 
 from trackmarshal.backends.numpy import temporal
 from trackmarshal.backends.numpy.logic import Value, negate
+from trackmarshal.backends.numpy.temporal.blocks import Choice
 from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Carrier, Rows
-from trackmarshal.backends.numpy.temporal.windows import Windows, edge_at
+from trackmarshal.backends.numpy.temporal.windows import Edge, Windows, edge_at
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
-from trackmarshal.backends.numpy.whole.values import Floats, Pair, pairs
+from trackmarshal.backends.numpy.whole.values import Bools, Floats, Pair, pairs
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import UNDEFINED
 
@@ -146,7 +147,7 @@ class Looking:
             assert node.upper is not None, "what looks ahead has a bound"
             found = self._first_after(node.upper)
         if not self._ended:
-            found[found >= self._count] = NEVER
+            found[np.searchsorted(found, self._count) :] = NEVER  # they never decrease
         self._closings[node] = found
         return found
 
@@ -197,42 +198,44 @@ class Looking:
             case _:
                 raise AssertionError(f"{type(node).__name__} does not look ahead over the cycles of a piece")
 
-    def decided(self, node: ir.Formula, about: Indices, now: Indices) -> Value:
+    def decided(self, node: ir.Formula, chosen: Choice, now: Indices) -> Value:
         """The values of a whole formula about some cycles, in which cycle it is decided. Of a side that has no say in that it may be anything that decides the same."""
+        about = self.places[chosen]
         if not (isinstance(node, ir.OverRun) and node.op == "until"):
             return self.value(node, about, now)
         times = self.times(node)
-        true, false = (np.flatnonzero(each.take(about) == now) for each in (times.true, times.false))
-        sat, margin = np.zeros(len(about), dtype=bool), np.zeros(len(about))
-        sat[true], margin[true] = True, self._reached(node, about.take(true), now.take(true))
-        margin[false] = self._broken(node, about.take(false), now.take(false))
+        sat, fails = _at(times.true, chosen) == now, _at(times.false, chosen) == now
+        margin = self._decisive(node, chosen, now, sat)
         side = sat, margin
         found = values.of(side, side)
-        if len(true) + len(false) == len(about):
+        if np.count_nonzero(sat) + np.count_nonzero(fails) == len(about):
             return found
-        rest = np.flatnonzero((times.true.take(about) != now) & (times.false.take(about) != now))
+        rest = np.flatnonzero(~(sat | fails))
         return values.put(found, rest, self.value(node, about.take(rest), now.take(rest)))
 
-    def _reached(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
-        """The margins of `until` where its goal is reached now. No goal in the window before says more: their margins are not above zero, and all others
-        here not below."""
-        held, goal = (self._operand(operand)[0][1] for operand in node.operands)
-        first, last = self._at.take(about), self._at.take(now)
-        found: Floats = np.minimum(goal.take(last), Spans(held, None, MARGIN).all(Levels(first, last)))
+    def _decisive(self, node: ir.OverRun, chosen: Choice, now: Indices, sat: Bools) -> Floats:
+        """The margins of `until` about some cycles: where its goal is reached now (`sat`), and where now what had to hold does not, or the window is
+        closed. No other goal says more: of those before, and of all where it fails, no margin is above zero, and of what held none is below."""
+        windows, last = self._windows(node), self._among(now)
+        of = chosen if self._elements.cycles is None else self._at[chosen]
+        first = self._at[chosen]
+        end = np.minimum(_edge_of(windows.end, of, first, windows.n), last + 1)
+        begin = np.minimum(_edge_of(windows.begin, of, first, windows.n), end)
+        inside, low, best = Levels(begin, end), *(self._spans_of(node, best, 1, MARGIN) for best in (0, 1))
+        reached = low.until(inside)
+        broken = reached if best is low else best.until(inside)
+        if node.lower:  # what has to hold until then has to on the way to the window, too
+            true = np.flatnonzero(sat)
+            before = low.all(Levels(first.take(true), begin.take(true)))
+            reached[true] = np.minimum(reached.take(true), before)
+        held = self._operand(node.operands[0])[1][1].take(last)
+        open_ = now < _at(self._closed(node), chosen)
+        found: Floats = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
         return found
 
-    def _broken(self, node: ir.OverRun, about: Indices, now: Indices) -> Floats:
-        """The margins of `until` where now what had to hold does not, or the window is closed. What held before takes nothing from goals: the margin of
-        none is above zero."""
-        held, goal = (self._operand(operand)[1][1] for operand in node.operands)
-        windows, first, last = self._windows(node), self._at.take(about), self._at.take(now)
-        n = windows.n
-        end = np.minimum(edge_at(windows.end, 0, n, n).take(first), last + 1)
-        begin = np.minimum(edge_at(windows.begin, 0, n, n).take(first), end)
-        found = Spans(None, goal, MARGIN).until(Levels(begin, end))
-        open_ = np.flatnonzero(now < self._closed(node).take(about))
-        found[open_] = np.maximum(found.take(open_), held.take(last.take(open_)))
-        return found
+    def _among(self, places: Indices) -> Indices:
+        """Where some cycles are among the elements."""
+        return places if self._elements.cycles is None else self._at.take(places)
 
     def _in_whole(self, node: ir.OverRun) -> Value:
         """(cycles,): the values of an operator once its windows are closed; of others anything."""
@@ -344,6 +347,16 @@ class Looking:
     def _next(self, times: Indices) -> Indices:
         """(cycles,) of what stands in the element after each cycle; after the last one, NEVER."""
         return np.append(times, NEVER)[self._at + 1]
+
+
+def _at(array: Indices, chosen: Choice) -> Indices:
+    """Some of an array: no copy of what are neighbours."""
+    return array[chosen] if isinstance(chosen, slice) else array.take(chosen)
+
+
+def _edge_of(edge: Edge, chosen: Choice, elements: Indices, n: int) -> Indices:
+    """The edges of the windows of some elements, which are chosen, too."""
+    return np.minimum(elements + edge, n) if isinstance(edge, int) else _at(edge, chosen)
 
 
 def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:

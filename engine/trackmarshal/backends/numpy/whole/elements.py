@@ -40,11 +40,11 @@ class Elements:
         return np.flatnonzero(self.missed == 0) if self.missed.any() else None
 
     @cached_property
-    def _ends(self) -> dict[tuple[int, bool], Edge]:
+    def _ends(self) -> dict[tuple[int, int, bool], Edge]:
         return {}
 
     @cached_property
-    def _windows(self) -> dict[tuple[int, int | None, bool], Windows]:
+    def _windows(self) -> dict[tuple[int, int | None, int, bool], Windows]:
         return {}
 
     def spread(self, value: Value) -> Value:
@@ -63,58 +63,66 @@ class Elements:
 
     def after(self, begin: int) -> Elements:
         """A copy of all but the first so many."""
-        return Elements(self.first[begin:].copy(), self.last[begin:].copy(), self.missed[begin:].copy())
+        first = self.first[begin:].copy()
+        last = first if self.last is self.first else self.last[begin:].copy()
+        return Elements(first, last, self.missed[begin:].copy())
 
-    def back(self, lower: int, upper: int | None) -> Windows:
-        """The windows that hold what lies between so long and so long before each element; upper: None where they reach back to the first."""
-        return self._of(lower, upper, True)
+    def back(self, lower: int, upper: int | None, asked: int) -> Windows:
+        """The windows that hold what lies between so long and so long before each of the last so many elements; upper: None where they reach back
+        to the first."""
+        return self._of(lower, upper, asked, True)
 
     def ahead(self, lower: int, upper: int) -> Windows:
         """The windows of what lies between so long and so long after each element."""
-        return self._of(lower, upper, False)
+        return self._of(lower, upper, len(self), False)
 
-    def reached(self, upper: int, past: bool = False) -> Edge:
+    def reached(self, upper: int) -> Edge:
         """The end of the windows of what lies up to so long after each element, wherever they begin."""
-        known = self._ends.get((upper, past))
+        return self._end(upper, len(self), False)
+
+    def _end(self, upper: int, asked: int, past: bool) -> Edge:
+        known = self._ends.get((upper, asked, past))
         if known is None:
-            first, last = self._directed(past)
-            known = self._ends[upper, past] = edge_of(first, last + upper, "right")
+            first, last = self._mirrored if past else (self.first, self.last)
+            known = self._ends[upper, asked, past] = edge_of(first, last[:asked] + upper, "right")
         return known
 
-    def _directed(self, past: bool) -> tuple[Stamps, Stamps]:
+    @cached_property
+    def _mirrored(self) -> tuple[Stamps, Stamps]:
         """A window into the past is one into the future of what is mirrored in time: see `temporal.windows`."""
-        return (-self.last[::-1], -self.first[::-1]) if past else (self.first, self.last)
+        first = -self.last[::-1]
+        return first, first if self.last is self.first else -self.first[::-1]
 
-    def _of(self, lower: int, upper: int | None, past: bool) -> Windows:
-        known = self._windows.get((lower, upper, past))
+    def _of(self, lower: int, upper: int | None, asked: int, past: bool) -> Windows:
+        known = self._windows.get((lower, upper, asked, past))
         if known is None:
-            known = self._windows[lower, upper, past] = self._made(lower, upper, past)
+            known = self._windows[lower, upper, asked, past] = self._made(lower, upper, asked, past)
         return known
 
-    def _made(self, lower: int, upper: int | None, past: bool) -> Windows:
+    def _made(self, lower: int, upper: int | None, asked: int, past: bool) -> Windows:
         n = len(self)
-        end: Edge = n if upper is None else self.reached(upper, past)
+        end: Edge = n if upper is None else self._end(upper, asked, past)
         begin: Edge = 0
         if lower:
-            last = self._directed(past)[1]
-            begin = edge_of(last, last + lower, "left")
+            last = self._mirrored[1] if past else self.last
+            begin = edge_of(last, last[:asked] + lower, "left")
         if isinstance(begin, int) and isinstance(end, int):
             longest = max(min(end - begin, n), 0)
         else:
-            longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-        return Windows(n, past, begin, end, longest)
+            longest = int((edge_at(end, 0, asked, n) - edge_at(begin, 0, asked, n)).max(initial=0))
+        return Windows(n, past, begin, end, longest, asked)
 
 
 def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:
-    """For every element how many keys lie before what it reaches, or up to and with it (right).
+    """For every element, or the first ones alone, how many keys lie before what it reaches, or up to and with it (right).
 
     Where cycles come evenly it is the same distance for all; that is guessed from the first one, and looked at. As in `temporal.windows`.
     """
-    n = len(keys)
-    guess = int(np.searchsorted(keys, reach[0], side)) if n else 0
+    n, asked = len(keys), len(reach)
+    guess = int(np.searchsorted(keys, reach[0], side)) if asked else 0
     if guess == n:
         return n
-    count = min(n - guess + 1, n)
+    count = min(n - guess + 1, asked)
     padded = np.concatenate(([_FIRST, _FIRST], keys, [_LAST, _LAST]))
     before = np.less_equal if side == "right" else np.less
 
@@ -126,9 +134,9 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
     near, far = passed(-1), passed(0)
     if near.all() and not far.any():
         return guess
-    at_the_end = count == n or bool(before(keys[-1], reach[count]))
+    at_the_end = count == asked or bool(before(keys[-1], reach[count]))
     if at_the_end and passed(-2).all() and not passed(1).any():
-        edge = np.full(n, n, dtype=np.intp)
+        edge = np.full(asked, n, dtype=np.intp)
         np.add(np.arange(guess - 1, guess - 1 + count), near, out=edge[:count])
         edge[:count] += far
         return edge
@@ -142,7 +150,7 @@ def elements(stamps: Stamps, missed: Indices, before: int | None) -> Elements:
         missed[0] = 0  # what comes before the first cycle is no gap
     at = np.flatnonzero(missed)
     if not len(at):
-        return Elements(stamps, stamps, np.zeros(len(stamps), np.intp))
+        return Elements(stamps, stamps, missed)
     earlier = np.concatenate(([0 if before is None else before], stamps[:-1]))
     return Elements(
         np.insert(stamps, at, earlier[at] + 1),
@@ -153,11 +161,10 @@ def elements(stamps: Stamps, missed: Indices, before: int | None) -> Elements:
 
 def joined(parts: Sequence[Elements]) -> Elements:
     """Elements that follow one another."""
-    return Elements(
-        np.concatenate([one.first for one in parts]),
-        np.concatenate([one.last for one in parts]),
-        np.concatenate([one.missed for one in parts]),
-    )
+    first = np.concatenate([one.first for one in parts])
+    moments = all(one.last is one.first for one in parts)
+    last = first if moments else np.concatenate([one.last for one in parts])
+    return Elements(first, last, np.concatenate([one.missed for one in parts]))
 
 
 def one(stamp: int) -> Elements:

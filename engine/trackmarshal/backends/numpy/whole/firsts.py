@@ -65,11 +65,12 @@ class Firsts:
         end, (sure, may), cycles = self._end, goal, self._elements.of_cycles
         reached = self._inside(self._after(sure))
         fails = cycles(self._after(~held[0]))
-        true = np.where((reached < end) & (fails >= reached), self._places(reached), NEVER)
-        broken = fails if held[1] is held[0] else cycles(self._after(~held[1]))
-        possible = reached if may is sure else self._inside(self._after(may))
         # A goal still counts in the cycle in which what has to hold until then fails.
-        open_ = (possible < end) & (possible <= broken)
+        open_ = surely = (reached < end) & (reached <= fails)
+        true = np.where(surely, self._places(reached), NEVER)
+        broken = fails if held[1] is held[0] else cycles(self._after(~held[1]))
+        if may is not sure or broken is not fails:
+            possible = reached if may is sure else self._inside(self._after(may))
+            open_ = (possible < end) & (possible <= broken)
         false = np.where(broken < end, self._places(broken), STAYS)
-        false[open_] = NEVER
-        return true, false
+        return true, np.where(open_, NEVER, false)

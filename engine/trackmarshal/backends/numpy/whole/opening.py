@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.temporal.blocks import Choice
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.ahead import Looking
 from trackmarshal.backends.numpy.whole.elements import Indices, Stamps, elements
@@ -23,13 +24,26 @@ from trackmarshal.ir.spec import RuleInfo
 
 class _Kept(NamedTuple):
     """The cycles about which a rule may still change what it says, and all after these: when, after how many that are missing, which they
-    are, what is known of them, and which are open still."""
+    are, what is known of them, and which are open still. undecided: how many there are before the first one that has no verdict yet."""
 
     stamps: Stamps
     missed: Indices
     names: Indices
     values: dict[ir.Formula, Value]
     pending: Bools
+    undecided: int = 0
+
+    def part(self, begin: int, end: int | None = None) -> _Kept:
+        """Some of them: nothing here is a copy."""
+        own = slice(begin, end)
+        known = {node: values.taken(one, own) for node, one in self.values.items()}
+        return _Kept(self.stamps[own], self.missed[own], self.names[own], known, self.pending[own])
+
+    def copy(self) -> _Kept:
+        known = {node: values.applied(np.copy, one) for node, one in self.values.items()}
+        return _Kept(
+            self.stamps.copy(), self.missed.copy(), self.names.copy(), known, self.pending.copy(), self.undecided
+        )  # fmt: skip
 
 
 class _Own(NamedTuple):
@@ -74,6 +88,8 @@ class Ahead:
         self._formula, self._active = rule.formula, rule.active
         settled = [*leaves(rule.formula, parts_ahead), *([] if rule.active is None else [rule.active])]
         self._settled = tuple(dict.fromkeys(settled))
+        #: How long after a cycle its last window is closed, where one has an end.
+        self._reach = max((node.upper for node in _ahead(rule.formula) if node.upper is not None), default=0)
         self._kept: _Kept | None = None
 
     def step(
@@ -81,12 +97,14 @@ class Ahead:
     ) -> Outcome:
         """What the rule says in the next cycles, of which the first has this number. value: what formulas come to in them that are settled at once."""
         before, own = self._kept, _Own(stamps, missed, first, {node: value(node) for node in self._settled})
-        looked = self._looked(own.kept if before is None else _joined(before, own.kept), False)
+        # Of cycles that have their verdicts only the margins may still change, which are said when they are asked for.
+        undecided = None if before is None else before.part(before.undecided)
+        looked = self._looked(_joined(undecided, own.kept), False)
         begin = len(looked.first) - len(stamps)
         here, later = self._decided(looked, begin)
-        found = worst(_of_own(here, begin, len(stamps)), later.now - begin, later.codes, later.margins)
+        found = worst(here, later.now - begin, later.codes, later.margins)
         if keep:
-            self._keep(looked.kept, looked.kept.pending & (looked.final == NEVER))
+            self._keep(before, looked)
         # Worked out again where it is asked for, which is seldom: kept until then it would be as much as all else of a run.
         return Outcome(*found, partial(self._saying, before, own))
 
@@ -110,7 +128,7 @@ class Ahead:
     def _saying(self, before: _Kept | None, own: _Own) -> Saying:
         """What is said in the cycles of a piece."""
         with np.errstate(all="ignore"):
-            looked = self._looked(own.kept if before is None else _joined(before, own.kept), False)
+            looked = self._looked(_joined(before, own.kept), False)
             begin, final = len(looked.first) - len(own.stamps), looked.final
             here, later = self._decided(looked, begin)
             closing = np.flatnonzero(looked.kept.pending & (final < NEVER) & (final > looked.first))
@@ -120,7 +138,7 @@ class Ahead:
         return _ordered(
             looked.kept.names,
             [
-                (mine, mine, *_of_own(here, begin, len(mine)), final[mine] == mine),
+                (mine, mine, *here, final[mine] == mine),
                 (later.now, *later[:1], *later[2:], final[later.about] == later.now),
                 (final[closing], closing, *closed, np.ones(len(closing), dtype=bool)),
             ],
@@ -139,52 +157,78 @@ class Ahead:
         places = looking.places
         return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places))
 
-    def _decided(self, looked: _Looked, begin: int) -> tuple[_Decided, _Decided]:
-        """What is decided in a piece that begins at a place: in the very cycle that it is about, and later. What was decided before is not said again, until it is final."""
-        first = looked.first
-        about = np.flatnonzero((first < NEVER) & (first >= begin) & looked.kept.pending)
-        now = first.take(about)
-        decided = self._said(looked, about, looked.looking.decided(self._formula, about, now))
+    def _decided(self, looked: _Looked, begin: int) -> tuple[tuple[Codes, Floats], _Decided]:
+        """What is decided in a piece that begins at a place: what each of its cycles says of itself, and what is decided later than in the very cycle.
+        What was decided before is not said again, until it is final."""
+        first, places = looked.first, looked.looking.places
+        chosen = _places((first < NEVER) & (first >= begin) & looked.kept.pending)
+        about, now = places[chosen], first[chosen]
+        codes, margins = self._said(looked, about, looked.looking.decided(self._formula, chosen, now))
         here = now == about
-        return _chosen((about, now, *decided), here), _chosen((about, now, *decided), ~here)
+        own = np.full(len(first) - begin, OPEN), np.full(len(first) - begin, np.nan)
+        if isinstance(chosen, slice):
+            skipped = max(0, begin - chosen.start)  # those before the piece are decided later than there
+            into = slice(chosen.start + skipped - begin, max(0, chosen.stop - begin))
+            said = here[skipped:]
+            own[0][into] = np.where(said, codes[skipped:], OPEN)
+            own[1][into] = np.where(said, margins[skipped:], np.nan)
+        else:
+            at = np.flatnonzero(here)
+            own[0][about.take(at) - begin], own[1][about.take(at) - begin] = codes.take(at), margins.take(at)
+        rest = np.flatnonzero(~here)
+        return own, _Decided(about.take(rest), now.take(rest), codes.take(rest), margins.take(rest))
 
     def _said(self, looked: _Looked, about: Indices, value: Value) -> tuple[Codes, Floats]:
         """What a value of the formula about some cycles is to the rule."""
         active = self._active
         return at_once(value, None if active is None else values.taken(looked.kept.values[active], about))
 
-    def _keep(self, whole: _Kept, pending: Bools) -> None:
-        """Forget all before the oldest cycle that is open."""
-        if not pending.any():
-            self._kept = None
-            return
-        old = int(np.argmax(pending))
-        known = {
-            node: values.applied(lambda array: array[old:].copy(), one) for node, one in whole.values.items()
-        }
-        self._kept = _Kept(
-            whole.stamps[old:].copy(),
-            whole.missed[old:].copy(),
-            whole.names[old:].copy(),
-            known,
-            pending[old:].copy(),
-        )
+    def _keep(self, before: _Kept | None, looked: _Looked) -> None:
+        """Forget all before the oldest cycle that is open. before: what was kept; looked: what is undecided of that, and the next cycles."""
+        stamps, closed = looked.kept.stamps, int(looked.kept.stamps[-1]) - self._reach
+        # Windows close in order: only of these may any be open, of which the last cycle is one if it waits for the next.
+        begin = min(int(np.searchsorted(stamps, closed, "right")), len(stamps) - 1)
+        rest = looked.kept.part(begin)
+        pending = rest.pending & (looked.final[begin:] == NEVER)
+        undecided = _first_of(pending & (looked.first[begin:] == NEVER))
+        rest = rest._replace(pending=pending)
+        if before is not None:
+            old = before.part(int(np.searchsorted(before.stamps, closed, "right")), before.undecided)
+            if old.pending.any():
+                old = old.part(_first_of(old.pending))
+                self._kept = _joined(old, rest)._replace(undecided=len(old.stamps) + undecided)
+                return
+        first = _first_of(pending)
+        rest = rest.part(first)._replace(undecided=undecided - first)
+        self._kept = rest.copy() if len(rest.stamps) else None
 
 
-def _chosen(decided: tuple[Any, ...], where: Bools) -> _Decided:
-    """Some of what is decided. By place, as it goes by turns: where a mask changes with every other cycle it takes many times as long."""
-    places = np.flatnonzero(where)
-    return _Decided(*(array.take(places) for array in decided))
+def _ahead(formula: ir.Formula) -> Iterator[ir.OverRun]:
+    """The operators of a formula that look ahead."""
+    stack = [formula]
+    while stack:
+        node = stack.pop()
+        stack += parts_ahead(node) or ()
+        if isinstance(node, ir.OverRun) and not node.past:
+            yield node
 
 
-def _of_own(here: _Decided, begin: int, count: int) -> tuple[Codes, Floats]:
-    """What each cycle of a piece says about itself."""
-    codes, margins = np.full(count, OPEN), np.full(count, np.nan)
-    codes[here.about - begin], margins[here.about - begin] = here.codes, here.margins
-    return codes, margins
+def _first_of(where: Bools) -> int:
+    """The first place of some; as many as there are: none."""
+    return int(np.argmax(where)) if where.any() else len(where)
 
 
-def _joined(a: _Kept, b: _Kept) -> _Kept:
+def _places(where: Bools) -> Choice:
+    """The places of some, as a slice where they are neighbours: mostly what is decided is all before something."""
+    count = int(np.count_nonzero(where))
+    begin = int(np.argmax(where)) if count else 0
+    neighbours = slice(begin, begin + count)
+    return neighbours if where[neighbours].all() else np.flatnonzero(where)
+
+
+def _joined(a: _Kept | None, b: _Kept) -> _Kept:
+    if a is None or not len(a.stamps):
+        return b
     known = {node: values.together([one, b.values[node]]) for node, one in a.values.items()}
     return _Kept(
         np.concatenate((a.stamps, b.stamps)), np.concatenate((a.missed, b.missed)), np.concatenate((a.names, b.names)),

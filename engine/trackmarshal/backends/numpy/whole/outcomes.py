@@ -22,6 +22,8 @@ SATISFIED, VIOLATED, UNDEFINED, INACTIVE, OPEN = (
 )
 #: By code, how bad a verdict is: 0 the worst.
 BADNESS = np.array([RANK.index(name) for name in VERDICTS], dtype=np.uint8)
+#: By how bad one is, its code.
+_OF_BADNESS = np.argsort(BADNESS).astype(np.uint8)
 
 
 @dataclass(eq=False)
@@ -121,16 +123,13 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
 def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
     """(cycles,): of what each cycle says about itself, and what is decided in it of earlier ones (its place, the verdict, the margin), the worst.
     What `own` is made of becomes it."""
-    for code, bad in enumerate(BADNESS):
-        chosen = np.flatnonzero(codes == code)
-        if not len(chosen):
-            continue
-        at = place.take(chosen)
-        mine = BADNESS.take(own[0].take(at))
-        better = at.take(np.flatnonzero(mine > bad))
-        own[0][better], own[1][better] = code, np.inf
-        # Margins that are none stay so: of one verdict all or none are.
-        said = np.flatnonzero(mine >= bad)
-        with np.errstate(invalid="ignore"):
-            np.minimum.at(own[1], at.take(said), margins.take(chosen.take(said)))
+    bad, before = BADNESS.take(codes), BADNESS.take(own[0])
+    least = before.copy()
+    np.minimum.at(least, place, bad)
+    worse = np.flatnonzero(least != before)
+    own[0][worse], own[1][worse] = _OF_BADNESS.take(least.take(worse)), np.inf
+    # Margins that are none stay so: of one verdict all or none are.
+    said = np.flatnonzero(bad == least.take(place))
+    with np.errstate(invalid="ignore"):
+        np.minimum.at(own[1], place.take(said), margins.take(said))
     return own

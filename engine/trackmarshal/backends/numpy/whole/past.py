@@ -66,19 +66,20 @@ class _Window:
         if self._kept is not None:
             whole = joined([self._kept, new])
             given = [together(pair) for pair in zip(self._values, operands)]
-        found = self._found(given, whole)
+        found = self._found(given, whole, own)
         if keep and node.upper is None:
-            last = values.applied(np.copy, taken(found, slice(len(whole) - 1, None)))
+            last = values.applied(np.copy, taken(found, slice(own - 1, None)))
             self._kept, self._values = one(LONG_AGO), [constant(TRUE, 1), last][-len(given) :]
         elif keep and node.upper is not None:
             begin = whole.since(int(whole.last[-1]) - node.upper)
             self._kept = whole.after(begin)
             self._values = [values.applied(lambda array: array[begin:].copy(), each) for each in given]
-        return taken(found, slice(len(whole) - own, None))
+        return found
 
-    def _found(self, operands: list[Value], whole: Elements) -> Value:
+    def _found(self, operands: list[Value], whole: Elements, own: int) -> Value:
+        """(own,): the values in the last so many elements."""
         node = self._node
-        windows = whole.back(node.lower or 0, node.upper)
+        windows = whole.back(node.lower or 0, node.upper, own)
         sides = [pairs(value) for value in operands]
 
         def found(side: int) -> Pair:
@@ -120,8 +121,7 @@ class _Count:
         if self._kept is not None:
             whole = joined([self._kept, new])
             arrays = [np.concatenate(pair) for pair in zip(self._arrays, arrays)]
-        windows = whole.back(0, node.upper)
-        begin = windows.start
+        begin = whole.back(0, node.upper, len(whole)).start
         # What may start anew ends what surely counts, what surely does what possibly counts.
         found = [
             _since(count, begin, anew if resets else None)

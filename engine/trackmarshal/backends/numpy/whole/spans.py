@@ -7,6 +7,9 @@ import numpy as np
 from trackmarshal.backends.numpy.temporal.carrier import Carrier, Rows
 from trackmarshal.backends.numpy.whole.elements import Indices
 
+#: By length how many bits it has: they are looked for level by level, in bytes.
+_BITS = np.frexp(np.arange(1 << 16))[1].astype(np.uint8)
+
 
 class Levels:
     """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
@@ -14,10 +17,12 @@ class Levels:
     def __init__(self, begin: Indices, end: Indices) -> None:
         self.count = len(begin)
         length = end - begin
+        longest = int(length.max(initial=0))
+        bits = _BITS.take(length) if longest < len(_BITS) else np.frexp(length)[1].astype(np.uint8)
         #: Each level, its spans, and where the two begin.
         self.levels: list[tuple[int, Indices, Indices, Indices]] = []
-        for level in range(int(length.max(initial=0)).bit_length()):
-            chosen = np.flatnonzero(length >> level == 1)
+        for level in range(longest.bit_length()):
+            chosen = np.flatnonzero(bits == level + 1)
             if len(chosen):
                 self.levels.append((level, chosen, begin.take(chosen), end.take(chosen) - (1 << level)))
 
@@ -41,7 +46,7 @@ class Spans:
             self._held.append(None if held is None else carrier.meet(held[:-step], held[step:]))
             if goal is not None:
                 later = goal[step:] if held is None else carrier.meet(held[:-step], goal[step:])
-                goal = carrier.join(goal[:-step], later)
+                goal = carrier.join(goal[:-step], later, out=None if held is None else later)
             self._goal.append(goal)
         return self._held[level], self._goal[level]
 
