@@ -169,11 +169,13 @@ def _absolute(made: Mapped) -> bool:
     column = made.plan.get("t")
     if made.stamp is None or made.driving is None or column is None:
         return False
-    plans = [one.timelines.get(made.driving, {}).get(column.column, ()) for one in made.founds]
-    begins = [(column.convert(float(p[0])), t) for p, t in zip(plans, made.times()) if len(p)]
+    plans = [one.timelines.get(made.driving, {}).get(column.column) for one in made.founds]
+    begins = [
+        (column.convert(float(p[0])), t) for p, t in zip(plans, made.times()) if p is not None and len(p)
+    ]
     first, behind = np.array([b for b, _ in begins]), np.array([t - b for b, t in begins])
     found = np.isfinite(first) & np.isfinite(behind)
-    return bool(found.any() and np.ptp(behind[found]) < np.ptp(first[found]))
+    return bool(found.any()) and float(np.ptp(behind[found])) < float(np.ptp(first[found]))
 
 
 def _candidates(made: Mapped, alike: list[str], driving: str | None, emergency: str | None) -> None:
