@@ -182,3 +182,17 @@ def test_the_farthest_stamps_of_a_run(backend: str) -> None:
     for number, t in enumerate((-3.9e9, -3.9e9 + 0.5, 3.9e9, 3.9e9 + 0.5)):
         decision = run.step(cycle(number, t, objects=cars(a=1.0)))
         assert decision.safe, decision.reasons
+
+
+@BACKENDS
+@pytest.mark.parametrize("begin", [0.0, 1.0, 1e6])
+@pytest.mark.parametrize("later", [2e-10, 4e-10, 7e-10])
+def test_two_stamps_within_a_nanosecond(backend: str, begin: float, later: float) -> None:
+    """Where a limit lets them come so close, rules that remember see one cycle and a gap, with every evaluator; the others see two."""
+    stamps = [begin, max(begin + later, math.nextafter(begin, math.inf)), begin + 0.1, begin + 0.2]
+    run, plain = (Run(backend, text, shortest_gap=0.0) for text in (REMEMBERS, PLAIN))
+    found = [run.step(cycle(number, t, objects=cars(a=1.0))) for number, t in enumerate(stamps)]
+    assert [names(each) for each in found] == [[], [("repeated", "cycle", "t")], [], []]
+    assert [each.safe for each in found[:2]] == [True, False]
+    assert {each.verdict for each in found[2].violations} == {"undefined"}
+    assert all(plain.step(cycle(number, t)).safe for number, t in enumerate(stamps))

@@ -110,8 +110,6 @@ def same(cycle: tm.Cycle, place: int, tolerance: float = 1e-6, but: tuple[str, .
                 continue
             expected = np.array(ours["candidates"][name][column])
             got = np.asarray(plan[column])
-            if column == "t":
-                got = got - got[0]
             if column == "heading":
                 got = expected + np.remainder(got - expected + math.pi, math.tau) - math.pi
             np.testing.assert_allclose(got, expected, atol=tolerance, err_msg=f"{name}.{column}")
@@ -147,7 +145,37 @@ def test_another_planners_conventions_are_found_and_undone(spec: Spec, shape: st
         assert cycle.signals["objects"][0]["heading"] == pytest.approx(
             math.remainder(recorded()[0][place]["objects"][0]["heading"], math.tau), abs=1e-9
         )
-    assert "its times are absolute" in str(report)
+    assert "its times are absolute: they begin with the stamp" in str(report)
+
+
+@pytest.mark.parametrize("cycles", [2, 60])
+@pytest.mark.parametrize("behind", [0.0, 0.07])
+@pytest.mark.parametrize("absolute", [True, False])
+def test_what_times_count_from(spec: Spec, absolute: bool, behind: float, cycles: int) -> None:
+    """Absolute ones are told from those that begin before the stamp, however few cycles there are."""
+    raws = json.loads(json.dumps(recorded()[0][:cycles]))
+    for raw in raws:
+        for plan in raw["candidates"].values():
+            plan["t"] = [t - behind + absolute * raw["t"] for t in plan["t"]]
+    report = tm.check_planner(raws, spec, header=recorded()[1])
+    assert (report.mapped.absolute, report.convertible, report.fits) == (absolute, True, not absolute)
+    assert "they begin 0.07 to 0.07 s before the stamp" in str(report) or not behind
+    for raw, cycle in zip(recorded()[0], report.cycles):
+        for plan, own in zip((cycle.driving, cycle.emergency), raw["candidates"].values()):
+            np.testing.assert_allclose(plan["t"], np.array(own["t"]) - behind, atol=1e-9)
+
+
+@pytest.mark.parametrize("begin", [0.02, 7.0, -60.0])
+def test_times_that_do_not_cover_the_stamp(spec: Spec, begin: float) -> None:
+    """No rule would find such a trajectory where the car is: it does not fit, and nothing is said to mend it."""
+
+    def count(raw: dict[str, Any], number: int) -> None:
+        for plan in raw["candidates"].values():
+            plan["t"] = [t + begin for t in plan["t"]]
+
+    report = tm.check_planner(broken(count), spec, header=recorded()[1])
+    assert not report.convertible
+    assert "in 60 cycles its times do not cover the stamp" in str(report)
 
 
 def test_rows_without_names(spec: Spec) -> None:
@@ -172,8 +200,13 @@ def test_the_adapter_makes_the_same_cycles(spec: Spec, columns: Any, shape: str)
     track = scope["borders"](recorded()[1])
     supervisor = tm.supervisor(spec, limits={"budget": 1e9}, clock=lambda: raws[0]["stamp_ms"] / 1000)
     cycle = scope["cycle_of"](0, raws[0], track)
-    same(cycle, 0, but=("s", "a", "t", "v"))
-    assert supervisor.step(cycle).faults == ()
+    same(cycle, 0, but=("s", "a", "v"))
+    decision = supervisor.step(cycle)
+    assert decision.faults == ()
+    # Times too are as the contract has them: what the rules say of them holds.
+    assert not {"stamp_match", "place_match", "heading_match", "pace_integrity"} & {
+        v.rule for v in decision.violations
+    }
 
 
 def test_the_planner_as_it_is_recorded(spec: Spec) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,3 +82,28 @@ def test_a_pickled_line_has_a_number_of_its_own_and_does_not_change_either() -> 
     assert not again.points.flags.writeable
     with pytest.raises(AttributeError):
         again.points = line.points
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_a_supervisor_is_not_copied(copied: Any, backend: str) -> None:
+    """A copy took what rules remember away from the run that it was made in, or found nothing of what it looked for."""
+    now = 0.0
+    spec = tm.loads("""
+module copied
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+
+rule steady "Not faster than 1 m/s more than in the last second"
+  require historically[0 s, 1 s] ego.v <= 21 m/s
+""")
+    supervisor = tm.supervisor(spec, backend=backend, limits={"budget": 60.0}, clock=lambda: now)
+    ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": SPEED}
+    plan = {
+        name: column for name, column in cycle(0).emergency.items() if name in ("t", "x", "y", "heading", "v")
+    }
+    for number in range(3):
+        now = number * PERIOD
+        assert supervisor.step(tm.Cycle(number, now, plan, plan, {"ego": ego})).safe
+        with pytest.raises(TypeError, match="goes on from where it is"):
+            copied(supervisor)

@@ -50,8 +50,9 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
         else made.stamp.code(_get("cycle", made.stamp.column))
     )
     lines.append(f"    stamp = {stamp}")
+    stamped = ", stamp" if made.absolute else ""
     for name, path in (("driving", made.driving), ("emergency", made.emergency)):
-        value = "None  # TODO" if path is None else f"trajectory({_get('cycle', path)})"
+        value = "None  # TODO" if path is None else f"trajectory({_get('cycle', path)}{stamped})"
         lines.append(f"    {name} = {value}")
     if made.emergency is not None:
         lines.append("    emergency = tm.cut_at_rest(emergency)")
@@ -84,7 +85,10 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
 
 def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
     shape = _shape(made, raws)
-    lines = ["def trajectory(plan):", '    """Columns as the contract has them."""']
+    lines = [
+        f"def trajectory(plan{', stamp' if made.absolute else ''}):",
+        '    """Columns as the contract has them."""',
+    ]
     if shape == "records":
         lines.append("    plan = {name: [row[name] for row in plan] for name in plan[0]}")
     elif shape == "rows":
@@ -92,6 +96,11 @@ def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
     lines.append("    columns = {")
     for name, column in made.plan.items():
         source = f"plan[{column.column!r}]"
+        if name == "t" and made.absolute:
+            lines.append(
+                f'        "t": [{column.code("z")} - stamp for z in {source}],  # {column.words}, from the stamp on'
+            )
+            continue
         if name != "heading" and column.converted:
             source = f"[{column.code('z')} for z in {source}]"
             lines.append(f'        "{name}": {source},  # {column.words}')

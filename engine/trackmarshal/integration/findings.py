@@ -39,6 +39,8 @@ ADVICE = {
 
 #: A car that moved further than this in a cycle, in m, has left where its plan began.
 MOVED = 1.0
+#: A trajectory that begins later than this after the stamp, in s, has not begun by it: `t_loc` of the rules on trajectories.
+BEGUN = 0.01
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +174,7 @@ def of_motion(made: Mapped, times: Sequence[float]) -> Iterator[Finding]:
     driving = [made.timeline(i, made.driving) for i in range(len(times))]
     emergency = [made.timeline(i, made.emergency) for i in range(len(times))]
     yield from _begins(made, driving)
-    yield from _origin(driving, times)
+    yield from _origin(made, driving)
     tails = [
         (float(p["t"][-1] - p["t"][-2]), i)
         for i, p in enumerate(emergency)
@@ -222,42 +224,46 @@ def _car(made: Mapped) -> list[tuple[float, float] | None]:
 
 def _begins(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
     apart = [
-        (math.dist(here, (plan["x"][0], plan["y"][0])), place)
+        (math.dist(here, _at_the_stamp(plan)), place)
         for place, (here, plan) in enumerate(zip(_car(made), driving))
-        if here is not None and plan is not None and "x" in plan
+        if here is not None and plan is not None and "x" in plan and "y" in plan
     ]
     if apart and max(apart)[0] > 0.5:
         far, place = max(apart)
         yield Finding(
-            "note", "plan", f"it begins {float(np.median([d for d, _ in apart])):.2g} m from the car (median), at most {far:.2g} m (cycle {place})",
-            "sample 0 is due at the stamp: the plan is where the car is then, within the tolerances of S-1-A-3",
+            "note", "plan", f"at the stamp it is {float(np.median([d for d, _ in apart])):.2g} m from the car (median), at most {far:.2g} m (cycle {place})",
+            "times count from the stamp: what is due then is where the car is, within the tolerances of S-1-A-3",
         )  # fmt: skip
 
 
-def _origin(driving: list[dict[str, Any] | None], times: Sequence[float]) -> Iterator[Finding]:
-    begins = [(float(p["t"][0]), t) for p, t in zip(driving, times) if p is not None and "t" in p]
-    if not begins:
+def _at_the_stamp(plan: dict[str, Any]) -> tuple[float, float]:
+    """Where a trajectory is at its time 0, straight between samples; its nearer end where it does not cover that."""
+    t = plan.get("t", np.arange(len(plan["x"])))
+    x, y = (float(np.interp(0.0, t, plan[name])) for name in ("x", "y"))
+    return x, y
+
+
+def _origin(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
+    """Whether times count from the stamp, and cover it."""
+    times = [(p["t"], place) for place, p in enumerate(driving) if p is not None and "t" in p]
+    if not times:
         return
-    first = np.array([b for b, _ in begins])
-    if np.all(np.abs(first) < 1e-9):
-        return
-    behind = np.array([t - b for b, t in begins])
-    if float(np.ptp(behind)) < 1.0:
-        words = (
-            f"its times are absolute: they begin {behind.min():.3g} to {behind.max():.3g} s before the stamp"
-            if np.abs(behind).max() > 1e-3
-            else "its times are absolute: they begin with the stamp"
-        )
-    else:
-        words = (
-            f"its times begin at {first.min():.3g} to {first.max():.3g} s, neither at 0 nor with the stamp"
-        )
-    yield Finding(
-        "note",
-        "plan.t",
-        words,
-        "that does not matter: what counts is the time from the first sample, which is due at the stamp",
-    )
+    first = np.array([float(t[0]) for t, _ in times])
+    words = f"they begin {-first.max():.3g} to {-first.min():.3g} s before the stamp"
+    if made.absolute:
+        words = "they begin with the stamp" if np.abs(first).max() <= 1e-3 else words
+        yield Finding(
+            "convert", "plan.t", f"its times are absolute: {words}", "the contract's count from the stamp of the cycle: t - stamp"
+        )  # fmt: skip
+    beside = [(t, place) for t, place in times if t[0] > BEGUN or t[-1] < 0.0]
+    if beside:
+        t, place = beside[0]
+        yield Finding(
+            "broken", "plan.t", f"in {len(beside)} cycles its times do not cover the stamp (first: cycle {place}, {t[0]:.3g} to {t[-1]:.3g} s)",
+            "times count from the stamp of the cycle: what is due at 0 s is where the car is then",
+        )  # fmt: skip
+    elif not made.absolute and np.abs(first).max() > 1e-9:
+        yield Finding("note", "plan.t", words, "what is due at 0 s, at the stamp, is where the car is then")
 
 
 def at_the_door(

@@ -38,6 +38,8 @@ class Mapped:
     driving: str | None = None
     emergency: str | None = None
     plan: dict[str, Column] = field(default_factory=dict)
+    #: Whether its times are on the stamps' clock; the contract's count from the stamp.
+    absolute: bool = False
     ego: str | None = None
     ego_fields: dict[str, Column] = field(default_factory=dict)
     objects: str | None = None
@@ -71,6 +73,8 @@ class Mapped:
         if raw is None or any(column.column not in raw for column in self.plan.values()):
             return None
         made = {name: column.convert(raw[column.column]) for name, column in self.plan.items()}
+        if self.absolute and "t" in made:
+            made["t"] = made["t"] - self.times()[place]
         if not {"x", "y", "v"} <= made.keys():
             return made
         try:
@@ -142,6 +146,7 @@ def read(
     pool = [one.timelines[p] for one in made.founds for p in alike if set(one.timelines.get(p, ())) == names]
     made.plan = columns([one for one in pool if len(one[next(iter(names))]) >= 3] or pool)
     _candidates(made, alike, driving, emergency)
+    made.absolute = _absolute(made)
     made.others = [p for p in there if p not in (made.driving, made.emergency)]
     _car(made)
     found = records.objects(made.founds, made.times())
@@ -157,6 +162,20 @@ def read(
         made.obstacles, made.obstacle_fields = standing
     made.left, made.right = _borders(made)
     return made
+
+
+def _absolute(made: Mapped) -> bool:
+    """Whether times of trajectories go along with the stamps, of which there are two at least."""
+    column = made.plan.get("t")
+    if made.stamp is None or made.driving is None or column is None:
+        return False
+    plans = [one.timelines.get(made.driving, {}).get(column.column) for one in made.founds]
+    begins = [
+        (column.convert(float(p[0])), t) for p, t in zip(plans, made.times()) if p is not None and len(p)
+    ]
+    first, behind = np.array([b for b, _ in begins]), np.array([t - b for b, t in begins])
+    found = np.isfinite(first) & np.isfinite(behind)
+    return bool(found.any()) and float(np.ptp(behind[found])) < float(np.ptp(first[found]))
 
 
 def _candidates(made: Mapped, alike: list[str], driving: str | None, emergency: str | None) -> None:

@@ -111,7 +111,17 @@ def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
     return Timely(about, fault("overrun", "cycle", "", None, message))
 
 
-class Supervisor:
+class OfOneRun:
+    """What is in the middle of a run: nobody copies or pickles it, since two of them would share, or lack, a part of what it remembers."""
+
+    def __reduce_ex__(self, protocol: object) -> str:
+        raise TypeError(
+            "a Supervisor is not copied: another one of the same rules and values goes on from where it is with `restore(whole(it.saving()))` "
+            "(`trackmarshal.runtime.saving`)"
+        )
+
+
+class Supervisor(OfOneRun):
     """Decides in every cycle what is driven. One instance serves one run, from one thread.
 
     program judges by the rules of spec, with the values of settings; clock gives s on the clock that stamps are from; contract is that of its

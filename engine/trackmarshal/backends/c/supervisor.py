@@ -30,7 +30,7 @@ from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Copied, Judged, Rated, advisory
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
-from trackmarshal.runtime.supervisor import Recorder, advisories, incomplete, internal, named_rules
+from trackmarshal.runtime.supervisor import OfOneRun, Recorder, advisories, incomplete, internal, named_rules
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
@@ -73,7 +73,7 @@ class _Said(Copied):
         return Rated(verdicts, margins, explain, self._advisory)
 
 
-class CSupervisor:
+class CSupervisor(OfOneRun):
     """Decides in every cycle what is driven, as `runtime.supervisor.Supervisor` does, by generated C.
 
     clock gives s on the clock that stamps are from. Raises TrackmarshalError E470 to E473 for what generated C cannot do, E482 for a

@@ -43,8 +43,15 @@ TIMELY = (
     _demand("stale", "t", "((now - t) <= oldest) | (now != now)"),
 )
 #: Of a stamp that is in order, where rules look at other cycles, which they count with in nanoseconds (`ir.overrun.stamped`: a number as large as this
-#: has no fraction to round).
-COUNTED = (_demand("out_of_range", "t", f"fabs(t * 1e9) < {float(FURTHEST)!r}"),)
+#: has no fraction to round): those that can be counted, and come to another nanosecond than the one before, whichever way both are rounded.
+COUNTED = (
+    _demand("out_of_range", "t", f"fabs(t * 1e9) < {float(FURTHEST)!r}"),
+    _demand(
+        "repeated",
+        "t",
+        f"(begun == 0) | (fabs(t * 1e9) >= {float(FURTHEST)!r}) | (((t * 1e9) - ((t - since) * 1e9)) > 1.0)",
+    ),
+)
 #: Of the cycle's `number` and the `last` one that came with a stamp in order (`begun` 1 once there is one, else `last` is 0), whole
 #: numbers of 64 bits. A chain, whatever the stamp is.
 NUMBER = (

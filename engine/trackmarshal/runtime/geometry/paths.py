@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackmarshal.runtime.geometry.arrays import LIMIT, Bools, Floats
+from trackmarshal.runtime.geometry.arrays import LIMIT, SAME, Bools, Floats
 
 
 def distance_to_paths(
@@ -13,8 +13,8 @@ def distance_to_paths(
 ) -> Floats:
     """Distances [m], (cases, points), of points (cases, points) from paths (cases, samples).
 
-    `lengths` says how many samples of each path count; the rest is padding. From a path that stays in one place the distance is
-    that from the place. A path with fewer than two samples, or with an unusable one, has no distance: NaN.
+    `lengths` says how many samples of each path count; the rest is padding. Samples that repeat the one before are none. From a path that stays in
+    one place the distance is that from the place. A path with fewer than two samples, or with an unusable one, has no distance: NaN.
     """
     points = _pair(x, y)
     path = _pair(path_x, path_y)
@@ -31,6 +31,9 @@ def distance_to_paths(
         path = np.where(there & fine[:, None], path, 0.0)
     points, path = points[..., None], path[:, :, None]
     side = path[..., 1:] - path[..., :-1]
+    if ((np.abs(side) <= SAME).all(axis=0) & (side != 0.0).any(axis=0)).any():
+        path = _merged(path)
+        side = path[..., 1:] - path[..., :-1]
     square = _sum(side * side)
     real = square > 0.0
     if usable is not None:
@@ -52,6 +55,19 @@ def distance_to_paths(
     nearest = np.where(real.any(axis=2), nearest, np.sqrt(begin))
     known = there[:, None, 1:].any(axis=2)
     return np.where(known if usable is None else usable & known, nearest, np.nan)
+
+
+def _merged(path: Floats) -> Floats:
+    """Paths (2, cases, 1, samples) in which a sample that repeats the last one kept stands in its place: then no way is between them."""
+    merged = path.copy()
+    for points in np.moveaxis(merged[:, :, 0], 1, 0):
+        kept = 0
+        for k in range(1, points.shape[1]):
+            if (np.abs(points[:, k] - points[:, kept]) <= SAME).all():
+                points[:, k] = points[:, kept]
+            else:
+                kept = k
+    return merged
 
 
 def _sum(products: Floats) -> Floats:
