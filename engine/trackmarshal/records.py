@@ -91,14 +91,15 @@ class SpecItem:
         )  # fmt: skip
 
 
-PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook", "limit")
+PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook", "limit", "replay")
 
 
 @dataclass(frozen=True, slots=True)
 class SpecPart:
-    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; an order of rules; or a limit of the Supervisor.
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; an order of rules; a limit of the Supervisor;
+    or what a scenario or a campaign is replayed with beside its own file, a line each, which is called by the path of that.
 
-    file: empty for a limit that no spec declares, so that it has its default.
+    file: empty for a limit that no spec declares, so that it has its default, and for what is replayed.
     """
 
     kind: str

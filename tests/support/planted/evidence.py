@@ -38,6 +38,24 @@ GENERATED = swap(
     f"    - {{path: {CALM}",
     f"    - {{path: specs/scenarios/hurry.yaml, title: The same made again, stage: S-4-A, expect: ground_truth, origin: synthetic}}\n    - {{path: {CALM}",
 )
+#: A recording that uses a configuration, and the configuration with a value.
+USES = remade(
+    HURRY, lambda data: data.replace(b'"name":"hurry",', b'"name":"hurry","use":["conf/permit.spec"],', 1)
+)
+OTHER = "specs/scenarios/other.tmrec.jsonl"
+#: The campaign on a recording that is no scenario.
+ON_ANOTHER = all_of(
+    copied(CALM, OTHER), swap(F, "recording: calm.tmrec.jsonl", "recording: other.tmrec.jsonl")
+)
+
+
+def _permit(value: str) -> Edit:
+    return put(
+        "conf/permit.spec",
+        f'module permit\n\nparam v_max : m/s = {value} m/s in [1, 20] source "permit, 2"\n'.encode(),
+    )
+
+
 SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
 DRIVE = "A calm drive, stage: S-4-B, expect: no_fire, origin: synthetic, requirements: [S-1]}"
 
@@ -162,7 +180,13 @@ FAULTS = [
     Fault("the ground truth of a recording changed", remade(HURRY, lambda data: data.replace(b'"rule speed_limit":false', b'"rule speed_limit":true', 1)), "T375", HURRY),
     Fault("no ground truth in a recording", remade(HURRY, lambda data: data.replace(b'"ground_truth"', b'"notes_"')), "D141", status=2),
     Fault("a recording that is none", put(HURRY, b"hello\n"), "D140", status=2),
+    Fault("a value of a configuration that a recording uses", all_of(agreed(all_of(USES, _permit("12"))), _permit("12.3")), "T375", HURRY),
+    Fault("an expectation misspelt", swap(V, SCENARIO, SCENARIO.replace("ground_truth", "ground_thruth")), "T123"),
+    Fault("no expectation", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth, ", "")), "T120"),
     # faults
+    Fault("faults that begin later in the drive", swap(F, "lead: 0.1", "lead: 0"), "T265", F),
+    Fault("faults put into another recording", ON_ANOTHER, "T265", F),
+    Fault("the recording that faults are put into edited", all_of(agreed(ON_ANOTHER), remade(OTHER, lambda data: data.replace(b'"id":"bus","x":80.0', b'"id":"bus","x":80.1'))), "T265", F),
     Fault("a fault struck", cut(F, "  - id: F-2\n", ""), "T265", "specs/scenarios/faults.yaml F-2"),
     Fault("a fault put in no longer", all_of(cut(F, "    begin: 0.1\n    end: 0.2\n    change:\n      - {place", ""), add(F, "    open: there is no time\n")), "T265", "specs/scenarios/faults.yaml F-2"),
     Fault("a fault of another requirement", swap(F, "requirement: S-32", "requirement: S-1"), "T265", "specs/scenarios/faults.yaml F-2"),

@@ -29,13 +29,13 @@ _PLURAL = {"evidence": "evidence", "analysis": "analyses"}
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224", "campaign": "T265",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "waiver": "T377", "issue": "T224",
-    "report": "T373", "section": "T373", UNREVIEWED: "T382",
+    "report": "T373", "section": "T373", UNREVIEWED: "T382", "campaign": "T265",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -158,6 +158,8 @@ def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[
             one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
+        elif change.field == "replayed with":  # of a configuration that several share
+            one = f"{change.before} {change.after}"
         elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
             one = change.kind
         groups[code, one].append(change)
@@ -243,6 +245,7 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
     found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}
     found |= {f"scenario {s.path}": s.path.place for s in project.scenarios}
+    found |= {f"campaign {path}": path.place for path in project.campaigns}
     found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}
     found |= {f"report {report.path} at {report.stage}": report.path.place for report in project.junit}
     found |= {f"waiver {w.id}": w.id.place for w in project.waivers}

@@ -131,10 +131,14 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
         }  # fmt: skip
     for demand in project.gate:
         yield f"gate {demand.stage}, {demand.at_least}", {"requirements": _list(demand.requirements)}
+    replayed = {part.name: part.shown.split("\n") for part in spec.parts if part.kind == "replay"}
+    for path in project.campaigns:
+        if path in replayed:
+            yield f"campaign {path}", {"replayed with": _list(replayed[path])}
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())), "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (
@@ -176,6 +180,8 @@ def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             },
         )
     for part in spec.parts:
+        if part.kind == "replay":
+            continue  # it stands with its scenario or campaign
         yield f"{part.kind} {part.name}", {"says": part.fingerprint, "shown": part.shown}
     for case in spec.faults:
         yield (

@@ -156,7 +156,7 @@ class _Building:
             }  # fmt: skip
             self._node(_KIND[item.kind], item.name, item.title, item_place(item), attributes)
         for part in self.spec.parts:
-            if part.kind == "limit":
+            if part.kind in ("limit", "replay"):
                 continue  # to which nothing is linked
             place = Place(part.file, part.line, part.column)
             self._node(
