@@ -132,9 +132,9 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for demand in project.gate:
         yield f"gate {demand.stage}, {demand.at_least}", {"requirements": _list(demand.requirements)}
     replayed = {part.name: part.shown.split("\n") for part in spec.parts if part.kind == "replay"}
-    for path in project.campaigns:
-        if path in replayed:
-            yield f"campaign {path}", {"replayed with": _list(replayed[path])}
+    for campaign in project.campaigns:
+        if campaign in replayed:
+            yield f"campaign {campaign}", {"replayed with": _list(replayed[campaign])}
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
