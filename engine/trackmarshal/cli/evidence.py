@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from trackmarshal import __version__
+from trackmarshal.files import digest
 from trackmarshal.records import (
     Record,
     Ref,
@@ -180,8 +180,8 @@ def test_result(outcome: Outcome, inputs: Mapping[str, str], fingerprint: str) -
 
 
 def file_hash(path: Path) -> str:
-    """sha256 of a file's bytes."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    """sha256 of what a file holds."""
+    return digest(path.read_bytes())
 
 
 def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:

@@ -204,7 +204,12 @@ FAULTS = [
     Fault("an argument that is not there", gone("docs/independence.md"), "T250", "docs/independence.md"),
     Fault("an argument replaced by x", put("docs/independence.md", b"x"), "T373", "AN-1"),
     Fault("evidence for fewer", cut(V, "evidence:\n", "gate:"), "T373", "docs/planner.md at S-2-A"),
-    Fault("evidence that is empty", put("docs/planner.md", b""), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is empty", put("docs/planner.md", b""), "T250", "docs/planner.md"),
+    Fault("evidence that is empty, accepted", agreed(put("docs/planner.md", b"")), "T250", "docs/planner.md"),
+    Fault("evidence of a mark and blanks alone", agreed(put("docs/planner.md", b"\xef\xbb\xbf \n\n")), "T250", "docs/planner.md"),
+    Fault("an argument in a comment that nobody sees", agreed(put("docs/independence.md", b"<!-- They do not\nfail together. -->\n")), "T250", "docs/independence.md"),
+    Fault("evidence of an assumption that is empty", agreed(put("docs/sensors.md", b" \n")), "T252", "A-SEEN"),
+    Fault("a section of the design in a comment", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\n<!-- to be written -->\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),
     # results, edited by hand
     Fault("a result of a test edited", entry("test", "braking: harder", _of("result", "message", to="all is well"), rehash=False), "T293", "braking: harder"),
     Fault("a result of a run edited", entry("run", HURRY, _of("result", "fired", to=False), rehash=False), "T293", HURRY),

@@ -7,6 +7,7 @@ import re
 from support.planted.edits import (
     Harmless,
     add,
+    agreed,
     all_of,
     committed,
     cut,
@@ -18,7 +19,7 @@ from support.planted.edits import (
     remade,
     swap,
 )
-from support.planted.evidence import OTHER_VERSION
+from support.planted.evidence import GENERATED, OTHER_VERSION
 
 R, M, V, H, A = (
     f"requirements/{name}.yaml"
@@ -68,6 +69,11 @@ EDITS = [
     Harmless("CRLF in requirements", remade(R, _crlf)),
     Harmless("CRLF in the V-model", remade(V, _crlf)),
     Harmless("CRLF in the hazard analysis", remade(H, _crlf)),
+    Harmless("CRLF in a campaign", remade(F, _crlf)),
+    Harmless("CRLF in documents", all_of(*(remade(f"docs/{name}.md", _crlf) for name in ("planner", "sensors", "independence")))),
+    Harmless("CRLF in recordings", all_of(*(remade(f"specs/scenarios/{name}.tmrec.jsonl", _crlf) for name in ("calm", "hurry")))),
+    Harmless("CRLF in a declared scenario and its track", all_of(agreed(GENERATED), remade("specs/scenarios/hurry.yaml", _crlf), remade("specs/tracks/avenue.yaml", _crlf))),
+    Harmless("CRLF in the evidence store", remade(STORE, _crlf)),
     Harmless("a byte order mark", remade(R, lambda data: b"\xef\xbb\xbf" + data)),
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
