@@ -49,6 +49,27 @@ ON_ANOTHER = all_of(
 )
 
 
+#: A report of another runner, as `make test` writes one that need not be there.
+REPORT = "out/tests.xml"
+REPORTED = all_of(
+    swap(
+        V,
+        "  campaigns:",
+        f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n  campaigns:",
+    ),
+    swap(V, "counts: [test, fault]", "counts: [test, fault, external test]"),
+)
+
+
+def ran(*names: str) -> Edit:
+    """What another runner found of tests of two requirements, all of which passed."""
+    tests = "".join(
+        f'<testcase classname="drive" name="{name}"><properties><property name="verifies" value="S-1, S-2"/></properties></testcase>'
+        for name in names
+    )
+    return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
+
+
 def _permit(value: str) -> Edit:
     return put(
         "conf/permit.spec",
@@ -115,6 +136,9 @@ FAULTS = [
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
     Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
     Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),
+    Fault("a demand of nothing", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: []}"), "T126"),
+    Fault("a demand of no id", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S 1]}"), "T124"),
+    Fault("no specs named", swap(V, "  specs: [specs]\n", ""), "T120"),
     Fault("less at least", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S-1], at_least: partial}"), "T371", "S-4-A, covered"),
     Fault("a stage struck", all_of(swap(V, "  - {id: S-2-C, title: assumptions, shows: what it takes for granted, applies_to: [S-4], counts: [assumption]}\n", ""), swap(V, "  - {stage: S-2-C, requirements: [S-4]}\n", "")), "T371", "S-2-C, covered"),
     Fault("a stage for fewer", swap(V, "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32, S-4]", "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32]"), "T371", "S-3-B"),
@@ -144,6 +168,11 @@ FAULTS = [
     Fault("a template of the safety case edited", all_of(put("docs/case/open.html.j2", b"{% extends 'ours/section.html.j2' %}\n"), agreed(swap(V, "  campaigns:", "  case_templates: docs/case\n  campaigns:")), put("docs/case/open.html.j2", b"\n")), "T371"),
     Fault("other words of the safety case", all_of(swap(V, "  campaigns:", "  case_words: docs/words.yaml\n  campaigns:"), put("docs/words.yaml", b"format: trackmarshal-case-words\n")), "T371"),
     Fault("results of a closed loop edited", all_of(put("docs/loop.json", b"{}"), agreed(swap(V, "  campaigns:", "  closed_loop: docs/loop.json\n  campaigns:")), put("docs/loop.json", b"[]")), "T371"),
+    # tests of another runner
+    Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
+    Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
     # waivers
     Fault("a waiver until 9999", swap(V, "expires: 2026-12-31", "expires: 9999-12-31"), "T235", "W-1"),
     Fault("a waiver for everything by x", add(V, "  - {id: W-2, stages: [S-1-A, S-2-A, S-2-B, S-2-C, S-3-B, S-4-A, S-4-B], requirements: ['*'], justification: none, residual_risk: none, owner: x, approver: Sam Safety, granted: 2026-01-01, expires: 9999-12-31}\n"), "T153", "W-2"),
@@ -158,6 +187,7 @@ FAULTS = [
     Fault("a waiver approved by its owner under another id", all_of(swap(A, "  - {id: P-4,", "  - {id: P-5, title: dana  Driver, role: safety}\n  - {id: P-4,"), agreed(swap(V, "approver: Sam Safety", "approver: P-5"))), "T130", "P-5"),
     Fault("a reviewer with the name of the owner", swap(A, "title: Vera Verifier", "title: Dana Driver"), "T130", "P-4"),
     Fault("a waiver for all requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: ['*']"), "T236", "W-1"),
+    Fault("a waiver of no stage", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: []\n    requirements: [S-1]"), "T126"),
     Fault("a waiver that nobody approved", swap(V, "    approver: Sam Safety\n", ""), "T120"),
     Fault("a waiver that holds longer", swap(V, "granted: 2026-01-01\n    expires: 2026-12-31", "granted: 2026-03-01\n    expires: 2027-02-28"), "T377", "W-1"),
     Fault("a waiver that has expired", swap(V, "expires: 2026-12-31", "expires: 2026-05-31"), "T231", "W-1"),

@@ -53,7 +53,9 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         found.append(error("T340", message, entry.names.place, "such as `S_1_[AB]_[0-9]+`", entry.path))
         return
     tests: list[ExternalTest] = []
-    for shown in _files(root, entry, found):
+    before = len(found)
+    files = _files(root, entry, found)
+    for shown in files:
         try:
             tests += _read(root / shown, shown, entry.tool)
         except TrackmarshalError as problem:
@@ -63,6 +65,9 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
             found.append(
                 error("T331", problem.strerror or str(problem), Place(shown), "make it readable", entry.path)
             )
+    if files and not tests and len(found) == before:
+        message = f"the test report `{entry.path}` holds no test, so its tests were not run"
+        found.append(error("T330", message, entry.path.place, "run the tests that write it", entry.path))
     if pattern is not None:
         tests = [_named(test, pattern) for test in tests]
     if tests and not any(test.requirements for test in tests):
