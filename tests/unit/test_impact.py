@@ -107,6 +107,14 @@ def test_the_formats(format: str, file: str, robot: Path) -> None:
     assert without_commits(out) == (GOLDEN / file).read_text("utf-8")
 
 
+def test_what_is_kept_out_of_archives_was_there_all_the_same(robot: Path) -> None:
+    """git leaves out of an archive what `.gitattributes` says: all of that would be new, and nothing of it weaker."""
+    (robot / ".gitattributes").write_text("*.spec export-ignore\n*.yaml export-ignore\n", "utf-8")
+    git(robot, "add", ".gitattributes")
+    git(robot, "commit", "-qm", "archives")
+    assert impact(robot)["changed"] == []
+
+
 def test_the_page(robot: Path) -> None:
     lower(robot)
     (shown,) = re.findall(r"```text\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
