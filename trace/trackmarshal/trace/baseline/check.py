@@ -33,7 +33,7 @@ _PLURAL = {
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
-    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224", "campaign": "T265",
+    "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224",
     "external-tests": "T221",
 }  # fmt: skip
 _OTHER = {
