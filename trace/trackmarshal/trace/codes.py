@@ -88,7 +88,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T213": ("a test of nothing", "The test names a rule that does not exist."),
     "T214": ("two tests with one title", "Results are told apart by rule and title."),
     "T215": ("a failed test", "A test failed, or could not be run. It is shown at every requirement that the rule satisfies."),
-    "T216": ("a stale test result", "The rule, or something it is made from, has changed since the test was run. The result says nothing about what stands there now."),
+    "T216": ("a stale test result", "The rule, or something it is made from, or the file of a test of another runner, has changed since the test was run. The result says nothing about what stands there now."),
     "T217": ("a result of nothing", "There is a result of a test that does not exist any more."),
     "T218": ("tests that were not run", "A test that was not run covers nothing."),
     "T219": ("an ASIL covered by advisory rules alone", "Advisory rules warn and never decide: nothing that they say keeps the car from driving on. A requirement with an integrity level has a rule that decides, or an assumption."),
