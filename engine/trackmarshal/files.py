@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import hashlib
 import os
 import stat
 from collections.abc import Container
@@ -43,6 +45,15 @@ def read_regular(path: Path, most: int = -1) -> bytes:
     """The bytes of a regular file, at most `most` of them; raises as `open_regular` does."""
     with open_regular(path) as stream:
         return stream.read(most)
+
+
+def digest(data: bytes) -> str:
+    """The sha256 of what a file holds. A text holds the same whichever ends of lines a checkout gave it: they are taken for `\\n`."""
+    if b"\r\n" in data and b"\0" not in data:
+        with contextlib.suppress(UnicodeDecodeError):  # packed or binary: every byte counts
+            data.decode("utf-8")
+            data = data.replace(b"\r\n", b"\n")
+    return hashlib.sha256(data).hexdigest()
 
 
 def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSError]]:

@@ -125,6 +125,7 @@ class _Seen:
     ids: tuple[str, ...]
     file: str
     line: int
+    held: str = ""  #: sha256 of what the file held
     outcome: str = ""
     message: str = ""
     duration: float = 0.0
@@ -141,13 +142,16 @@ class _Results:
         self._config = config
         self._path = path
         self._seen: dict[str, _Seen] = {}
+        self._files: dict[str, str] = {}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         ids = tuple(str(value) for name, value in report.user_properties if name == VERIFIES)
         if not ids:
             return
         file, line, _ = report.location
-        seen = self._seen.setdefault(report.nodeid, _Seen(ids, file, (line or 0) + 1))
+        if report.nodeid not in self._seen:
+            self._seen[report.nodeid] = _Seen(ids, file, (line or 0) + 1, self._held(file))
+        seen = self._seen[report.nodeid]
         seen.phases.add(report.when or "")
         seen.duration += report.duration
         outcome, message = _outcome(report)
@@ -169,10 +173,21 @@ class _Results:
             items.append(
                 ExternalTest(
                     suite, name, tuple(dict.fromkeys(seen.ids)), seen.outcome, seen.message, self._shown(seen.file),
-                    seen.line, seen.duration, f"pytest {pytest.__version__}", now,
+                    seen.line, seen.duration, f"pytest {pytest.__version__}", now, file_hash=seen.held,
                 )
             )  # fmt: skip
         save(self._path, ResultsFile("external_tests", tuple(items), __version__, now))
+
+    def _held(self, file: str) -> str:
+        """The sha256 of what a file of tests holds when the first of its tests is done; empty where it cannot be read."""
+        from trackmarshal.files import digest, read_regular
+
+        if file not in self._files:
+            try:
+                self._files[file] = digest(read_regular(self._config.rootpath / file))
+            except (OSError, ValueError):
+                self._files[file] = ""
+        return self._files[file]
 
     def _shown(self, file: str) -> str:
         """A path from the project's folder, where there is one."""

@@ -91,14 +91,15 @@ class SpecItem:
         )  # fmt: skip
 
 
-PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook", "limit")
+PART_KINDS = ("param", "table", "place", "signal", "constraint", "rulebook", "limit", "replay")
 
 
 @dataclass(frozen=True, slots=True)
 class SpecPart:
-    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; an order of rules; or a limit of the Supervisor.
+    """What rules read or rest on: a parameter, table, place or signal, or a constraint, which is called by its text; an order of rules; a limit of the Supervisor;
+    or what a scenario or a campaign is replayed with beside its own file, a line each, which is called by the path of that.
 
-    file: empty for a limit that no spec declares, so that it has its default.
+    file: empty for a limit that no spec declares, so that it has its default, and for what is replayed.
     """
 
     kind: str
@@ -454,12 +455,16 @@ class ExternalTest:
     report: str = ""  #: the file that says so, from the project's folder
     report_line: int = 0
     report_hash: str = ""  #: sha256 of that file's bytes
+    file_hash: str = (
+        ""  #: sha256 of what the file of the test held when it ran; empty where its runner does not say
+    )
 
     def to_json(self) -> dict[str, Any]:
         return {
             "suite": self.suite, "name": self.name, "requirements": list(self.requirements), "outcome": self.outcome,
             "message": self.message, "file": self.file, "line": self.line, "duration": self.duration, "tool": self.tool,
             "created": self.created, "report": self.report, "report_line": self.report_line, "report_hash": self.report_hash,
+            "file_hash": self.file_hash,
         }  # fmt: skip
 
     @classmethod
@@ -468,7 +473,7 @@ class ExternalTest:
         return cls(
             f.text("suite"), f.text("name"), f.texts("requirements"), f.word("outcome", EXTERNAL_OUTCOMES), f.text("message", ""),
             f.text("file", ""), f.count("line", 0), f.time("duration"), f.text("tool", ""), f.text("created", ""),
-            f.text("report", ""), f.count("report_line", 0), f.text("report_hash", ""),
+            f.text("report", ""), f.count("report_line", 0), f.text("report_hash", ""), f.text("file_hash", ""),
         )  # fmt: skip
 
 

@@ -137,8 +137,10 @@ class Store:
         except OSError as error:
             raise _refused(self.path, error.strerror or str(error)) from error
         for number, line in enumerate(data.split(b"\n"), 1):
-            if line:
-                entry = _entry(line, number)
+            if line.strip():
+                entry = _entry(
+                    line.removesuffix(b"\r"), number
+                )  # a checkout may have made it of two characters
                 if isinstance(entry, Entry):
                     yield entry
                 else:

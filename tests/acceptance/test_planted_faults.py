@@ -84,6 +84,8 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "rules in another order",
         "the baseline moved with all that was accepted",
         "the baseline with the ends of lines of Windows",
+        "an acceptance merged",
+        "acceptances of two branches, and one more of both",
     ],
 )
 def test_what_is_worded_otherwise_comes_out_again(name: str, project: Path) -> None:

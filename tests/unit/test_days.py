@@ -58,6 +58,24 @@ def test_the_day_of_the_commit_is_the_gate_s(robot: Path) -> None:
     assert "T231" not in command(robot, "trace", "--gate", "--day", "2020-12-31")[1]
 
 
+def test_a_commit_is_not_made_before_those_that_it_comes_after(robot: Path) -> None:
+    """Dated back, it would have a waiver hold that has expired."""
+    git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2021-01-01T00:30:00 +0200")
+    git(robot, "commit", "-q", "--allow-empty", "-m", "third", when="2020-07-01T12:00:00 +0200")
+    assert day("commit", robot) == date(2021, 1, 1)
+    assert "T231" in command(robot, "trace", "--gate", "--day", "commit")[1]
+
+
+def test_a_commit_that_is_yet_to_come(robot: Path) -> None:
+    """Of the one that is checked out nobody knows the day; one before it, of a clock that was wrong, changes nothing."""
+    git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2098-01-01T12:00:00 +0200")
+    with pytest.raises(TrackmarshalError, match="2098-01-01, which is yet to come") as caught:
+        day("commit", robot)
+    assert caught.value.code == "T348"
+    git(robot, "commit", "-q", "--allow-empty", "-m", "third", when="2020-07-01T12:00:00 +0200")
+    assert day("commit", robot) == date(2020, 7, 1)
+
+
 def test_the_report_says_the_day(robot: Path) -> None:
     assert command(robot, "trace", "--day", "commit")[1].startswith(
         "traceability of warehouse robot, 2020-06-01\n"

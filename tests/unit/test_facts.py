@@ -43,6 +43,26 @@ def test_what_is_written_while_it_is_read_is_not_kept(
     assert len(made) == (1 if meanwhile is None else 2)
 
 
+@pytest.mark.parametrize("cache", ["cache", ".", "project", "project/cache"])
+def test_a_project_within_the_cache_is_read_again_too(
+    cache: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever the cache is: files in it are passed over, those of a project are not, as those of one on a disk in memory below `/dev` are not."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / cache))
+    spec = tmp_path / "project" / "specs" / "a.spec"
+    spec.parent.mkdir(parents=True)
+    made: list[str] = []
+
+    def make() -> facts.Facts:
+        made.append(spec.read_text())
+        return facts.Facts([], [], [], {}, [], [])
+
+    for text in ("before", "after"):
+        spec.write_text(text)
+        facts.facts(tmp_path / "project", ["specs"], [], make)
+    assert made == ["before", "after"]
+
+
 @pytest.mark.parametrize(
     "how", ["a folder", "a folder elsewhere now", "a file", "a file elsewhere now", "a path"]
 )

@@ -14,6 +14,7 @@ import pytest
 
 from golden.trace.cases import HERE
 from support.project import command, run_command
+from trackmarshal.cli.answers import commit
 from trackmarshal.meaning.tool import HERE as HERE_OF_ENGINE
 from trackmarshal.meaning.tool import tool, tool_of
 from trackmarshal.records import ExternalTest, ResultsFile, save
@@ -105,6 +106,24 @@ def test_the_formats(format: str, file: str, robot: Path) -> None:
     if UPDATE:
         (GOLDEN / file).write_text(without_commits(out), "utf-8")
     assert without_commits(out) == (GOLDEN / file).read_text("utf-8")
+
+
+def test_a_spec_that_no_commit_has_is_a_change_that_is_not_in_it(robot: Path) -> None:
+    """Results are made from it, and cannot be made again from the commit alone."""
+    assert not commit(robot).endswith("+")
+    (robot / "out" / "more").mkdir(parents=True, exist_ok=True)
+    (robot / "out" / "more" / "a.yaml").write_text("made: here\n", "utf-8")  # which git is told to pass over
+    assert not commit(robot).endswith("+")
+    (robot / "specs" / "more.spec").write_text("module more\n", "utf-8")
+    assert commit(robot).endswith("+")
+
+
+def test_what_is_kept_out_of_archives_was_there_all_the_same(robot: Path) -> None:
+    """git leaves out of an archive what `.gitattributes` says: all of that would be new, and nothing of it weaker."""
+    (robot / ".gitattributes").write_text("*.spec export-ignore\n*.yaml export-ignore\n", "utf-8")
+    git(robot, "add", ".gitattributes")
+    git(robot, "commit", "-qm", "archives")
+    assert impact(robot)["changed"] == []
 
 
 def test_the_page(robot: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 import subprocess
 import sys
@@ -107,6 +108,7 @@ def test_what_is_written(project: Path, more: list[str]) -> None:
     assert tests["test_broken"].requirements == ("S-1-A-1",)
     opens = tests["TestDoor::test_opens"]
     assert (opens.suite, opens.file, opens.line) == ("tests/test_door.py", "tests/test_door.py", 9)
+    assert opens.file_hash == hashlib.sha256(TESTS.encode()).hexdigest()
     assert "the other side" in tests["TestDoor::test_shuts[2]"].message
     assert tests["TestDoor::test_locks"].message == "Skipped: no lock"
     # pytest's own report says the same of every test; one whose teardown fails it lists once, as an error.

@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from support.planted.project import SOURCE
 from support.project import command
 from support.safety_case import DAY, edit, html, made_ready
 from trackmarshal.trace.case.html import _text as html_text
@@ -30,6 +31,13 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def warehouse(ready: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(ready, tmp_path / "warehouse"))
+
+
+def test_a_scenario_of_which_it_is_not_known_what_it_is_to_show(tmp_path: Path) -> None:
+    shuttle = Path(shutil.copytree(SOURCE, tmp_path / "shuttle"))
+    edit(shuttle, "requirements/v-model.yaml", "stage: S-4-A, expect: ground_truth, ", "stage: S-4-A, expect: ground_thruth, ")  # fmt: skip
+    page = html(shuttle, expect=1)
+    assert "ground_thruth" in " ".join(page.texts)
 
 
 NASTY = """<script>alert(1)</script> & "quoted" #eval("1 + 1") $x^2$ \\input{passwd} [link] *bold* `raw` // {{ 7 * 7 }} {% x %} \u202e </style>"""

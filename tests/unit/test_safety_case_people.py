@@ -85,6 +85,28 @@ def test_a_review_that_is_not_committed_stands_in_no_commit(warehouse: Path, com
     assert "in no commit" in review(html(committed), "RV-1")
 
 
+def test_whoever_changed_any_line_of_a_review_last_is_named(committed: Path) -> None:
+    """Who wrote its first line did not write what it came to."""
+    first = git(committed, "rev-parse", "HEAD")
+    edit(committed, "requirements/people.yaml", "    outcome: accepted\n", "    outcome: accepted  # now\n")
+    assert "in no commit" in review(html(committed), "RV-1")
+    git(committed, "commit", "-qam", "accepted", "--author", "Dora Doer <dora@example.org>")
+    said = review(html(committed), "RV-1")
+    assert git(committed, "rev-parse", "HEAD") in said
+    assert "Dora Doer" in said
+    assert first not in said
+
+
+def test_nobody_gets_another_name_by_a_file_of_the_project(committed: Path) -> None:
+    """git calls authors as `.mailmap` has them, which whoever edits the project writes."""
+    (committed / ".mailmap").write_text("Vera Verifier <vera@example.org> <rolf@example.org>\n", "utf-8")
+    git(committed, "add", ".mailmap")
+    git(committed, "commit", "-qm", "names")
+    said = review(html(committed), "RV-1")
+    assert "Rolf Reader" in said
+    assert "Vera" not in said
+
+
 def test_without_version_control_a_review_stands_in_no_commit(warehouse: Path) -> None:
     assert "in no commit" in review(html(warehouse), "RV-1")
 

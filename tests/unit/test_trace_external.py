@@ -10,6 +10,7 @@ import pytest
 
 from golden.trace.cases import Small
 from trackmarshal import trace
+from trackmarshal.records import ExternalTest, ResultsFile, save
 from trackmarshal.trace.cells import Cell
 
 STAGE = '  - {id: S-3-B, title: verification, shows: its tests, applies_to: ["*"], counts: [test, run]}\n'
@@ -51,6 +52,37 @@ def test_another_stage_knows_nothing_of_it(tmp_path: Path) -> None:
         project(tmp_path, "junit: [{path: out/results.xml, stage: S-2-A}]"), PASSED.format("door", "S-1-B-1")
     )
     assert cell(small, "S-1-B-1").status == "waived"
+
+
+def test_what_passed_with_another_version_of_its_file_is_stale(tmp_path: Path) -> None:
+    """Results of another checkout, or of a test that was weakened or broken since, show nothing of what is here."""
+    small = project(tmp_path, "junit: [{path: out/pytest.json, stage: S-3-B}]")
+    file = small.root / "tests" / "test_door.py"
+    file.parent.mkdir()
+    file.write_text("def test_door(): ...\n", "utf-8")
+    held = hashlib.sha256(file.read_bytes()).hexdigest()
+    test = ExternalTest(
+        "tests/test_door.py",
+        "test_door",
+        ("S-1-B-1",),
+        "passed",
+        file="tests/test_door.py",
+        line=1,
+        file_hash=held,
+    )
+    save(small.root / "out" / "pytest.json", ResultsFile("external_tests", (test,), "0", "2026-01-01"))
+    assert cell(small, "S-1-B-1").status == "covered"
+    file.write_bytes(b"def test_door(): ...\r\n")  # as another system checks it out
+    assert cell(small, "S-1-B-1").status == "covered"
+    file.write_text("def test_door(): pass\n", "utf-8")
+    found = cell(small, "S-1-B-1")
+    assert (found.status, found.items[-1].detail) == ("stale", "its file has changed since it ran")
+    said = [f for f in small.matrix().findings if f.code == "T216"]
+    assert [(f.level, f.subject, str(f.place)) for f in said] == [
+        ("warning", "test_door", "tests/test_door.py:1")
+    ]
+    file.unlink()
+    assert cell(small, "S-1-B-1").status == "stale"
 
 
 def test_each_of_several_counts(tmp_path: Path) -> None:

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding
+    from trackmarshal.trace.baseline import Acceptance, Change
     from trackmarshal.trace.baseline.file import Baseline
 
 CODES = {
@@ -21,7 +23,7 @@ CODES = {
         "acceptances were rewritten",
         "Acceptances of the baseline are only ever added to, by `--accept-baseline`, with who accepted what. Between two versions that git has of the file, or "
         "between the last one and that in the folder, something else was changed: what is held became another thing without an acceptance, or an earlier "
-        "acceptance reads differently, or is gone. `--rerun` looks for that, back to the last version with a proper acceptance.",
+        "acceptance reads differently, or is gone; or a merge dropped what was accepted on a branch. `--rerun` looks for that, back to the last version with a proper acceptance.",
     ),
     "T381": (
         "nobody knows who accepted the baseline",
@@ -39,16 +41,58 @@ _MOST = 200
 
 def check(root: Path, baseline: str) -> Iterator[Finding]:
     """T380 and T381 for the baseline of a project, whose path is relative to its folder. Nothing where there is no baseline: that is told elsewhere."""
+    if (root / baseline).is_file():
+        found = list(_along(root, baseline))
+        yield from found or _merged(root, baseline)
+
+
+def _merged(root: Path, baseline: str) -> Iterator[Finding]:
+    """T380 where a merge dropped what was accepted on the other branch: along first parents that is as if it had never been.
+
+    Of each line of acceptances that was merged and is not the one that goes on here, whatever is less now is named in this one.
+    """
+    from trackmarshal.trace.baseline import changes
+    from trackmarshal.trace.findings import Place, error
+
+    now = _held((root / baseline).read_bytes())
+    commits, named = _versions(root, baseline, along=False)
+    held = [(commit, _held(_version(root, commit, named[commit]))) for commit in commits if commit in named]
+    lines = {one.acceptances: (commit, one) for commit, one in reversed(held) if one is not None}
+    for line, (commit, one) in lines.items():
+        if now is None or any(_goes_on(other, line) for other in (*lines, now.acceptances)):
+            continue
+        both = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(line, now.acceptances)))
+        lost = _unnamed(changes(one.content, now.content), now.acceptances[both:])
+        if lost is not None:
+            message = f"what was accepted in commit {commit[:12]} was merged, and dropped: nobody is named who accepted that {lost}"
+            yield error("T380", message, Place(baseline), _restored(commit, named[commit], baseline))
+            return
+
+
+def _goes_on(line: tuple[Acceptance, ...], from_: tuple[Acceptance, ...]) -> bool:
+    """Whether acceptances begin with all of others."""
+    return line != from_ and line[: len(from_)] == from_
+
+
+def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[str, str]]:
+    """The commits that changed the baseline, the last one first, and by commit the file that it is there: along the first parents, or beside them, on branches that were merged."""
+    moved = _moved(root, baseline)
+    files = [*_models(root), *moved] if moved else [baseline]
+    commits = _log(root, files, "--first-parent")
+    if not along:
+        first = set(_git(root, "rev-list", "--first-parent", "HEAD").split())
+        commits = [commit for commit in _log(root, files, "--full-history") if commit not in first]
+    return commits, _named(root, commits) if moved else dict.fromkeys(commits, baseline)
+
+
+def _along(root: Path, baseline: str) -> Iterator[Finding]:
+    """T380 and T381 along the first parents."""
     from trackmarshal.trace.findings import Place, error, warning
 
     path = root / baseline
-    if not path.is_file():
-        return
     place = Place(baseline)
     try:
-        moved = _moved(root, baseline)
-        commits = _log(root, [*_models(root), *moved] if moved else [baseline])
-        named = _named(root, commits) if moved else dict.fromkeys(commits, baseline)
+        commits, named = _versions(root, baseline, along=True)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
             ("", _in_lines(path.read_bytes())),
@@ -129,10 +173,9 @@ def _restored(commit: str, was: str, baseline: str) -> str:
     return f"restore it: `git checkout {commit[:12]} -- {was}`{again}, and accept what is there now"
 
 
-def _log(root: Path, files: list[str]) -> list[str]:
+def _log(root: Path, files: list[str], how: str = "--first-parent") -> list[str]:
     """The commits that changed files, the last one first."""
-    most = f"--max-count={_MOST}"
-    return _git(root, "log", "--first-parent", most, "--format=%H", "--", *files).split()
+    return _git(root, "log", how, f"--max-count={_MOST}", "--format=%H", "--", *files).split()
 
 
 def _models(root: Path) -> list[str]:
@@ -233,12 +276,18 @@ def _rewritten(before: Baseline, after: Baseline) -> str | None:
         return "something beside what it holds was changed" if same else "it holds something else than before"
     if new[-1].after != digest(after.content):
         return "what it holds is not what was accepted last"
-    named = [said for one in new[len(old) :] if one.by and one.reason for said in one.weaker]
-    for change in changes(before.content, after.content):
+    lost = _unnamed(changes(before.content, after.content), new[len(old) :])
+    return None if lost is None else f"nobody is named who accepted that {lost}"
+
+
+def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change | None:
+    """The first change by which something is less and that no acceptance by name tells."""
+    named = [said for one in accepted if one.by and one.reason for said in one.weaker]
+    for change in found:
         if change.weaker and not any(
             said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named
         ):
-            return f"nobody is named who accepted that {change}"
+            return change
     return None
 
 

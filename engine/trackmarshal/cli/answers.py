@@ -18,6 +18,8 @@ from trackmarshal.store import Entry, Store
 _LATER = ("ranges",)
 #: What says where something stands, when it was made, or how the specs are worded, titles included, and not what came out.
 _APART = ("file", "line", "created", "spec_fingerprint")
+#: What a project is read from.
+_READ = ("*.spec", "*.yaml", "*.yml", "*.tmrec.jsonl", "*.tmrec.jsonl.gz")
 #: What stands in the order of the specs.
 _IN_ANY_ORDER = ("rules",)
 
@@ -81,10 +83,14 @@ def _sorted(name: str, value: Any) -> Any:
 
 
 def commit(root: Path) -> str:
-    """The commit of a project's folder, `+` behind it where files that belong to it differ from it; empty where there is none."""
+    """The commit of a project's folder, `+` behind it where files that belong to it differ from it, or it lacks specs, documents or recordings that
+    are here; empty where there is none."""
     try:
         head = _git(root, "rev-parse", "HEAD")
-        return head + ("+" if _git(root, "status", "--porcelain", "--untracked-files=no", ".") else "")
+        differs = _git(root, "status", "--porcelain", "--untracked-files=no", ".")
+        return head + (
+            "+" if differs or _git(root, "ls-files", "--others", "--exclude-standard", "--", *_READ) else ""
+        )
     except (OSError, subprocess.SubprocessError):
         return ""
 

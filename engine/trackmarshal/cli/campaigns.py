@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,12 @@ class Prepared:
     source_hash: str
     #: One hash of what the recording is evaluated with.
     evaluated: str
+
+    def replayed(self, scenarios: Collection[str]) -> list[str]:
+        """What the faults are put into, a line each; the contents of the recording where it is none of the project's scenarios, which are held by themselves."""
+        path = posixpath.normpath(posixpath.join(posixpath.dirname(self.shown), self.campaign.recording))
+        contents = [] if path in scenarios else [f"contents {self.source_hash}"]
+        return [f"recording {path}", *contents, f"lead {self.campaign.lead:g} s"]
 
     def fingerprint(self, number: int) -> str:
         """Of what the outcome of a fault depends on now; empty where it cannot be put in."""

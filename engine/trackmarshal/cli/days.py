@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from datetime import date
+from datetime import date, timedelta
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
@@ -12,10 +12,13 @@ CODES = {
     "T348": (
         "a day that is none",
         "`--day` takes a day, YYYY-MM-DD, or `commit`, the day on which the commit was made that is checked out. There is no such day in the "
-        "calendar, or there is no commit: git is missing, the project is in no repository, or nothing is committed yet.",
+        "calendar, or there is no commit: git is missing, the project is in no repository, or nothing is committed yet; or the commit says that it was "
+        "made on a day that is yet to come. A commit that says it was made before one that it comes after was not: the latest day of them counts.",
     ),
 }
 COMMIT = "commit"
+#: So many commits before the one that is checked out are asked for their days, too.
+_BEFORE = 2_000
 
 
 def day(said: str | None, root: Path) -> date:
@@ -35,14 +38,29 @@ def day(said: str | None, root: Path) -> date:
 
 
 def _of_commit(root: Path) -> str:
-    """The day of the checked-out commit, where its committer was."""
-    command = ["git", "-C", str(root), "show", "-s", "--no-show-signature", "--format=%cs", "HEAD"]
+    """The day of the checked-out commit, where its committer was: whoever dates it back would have waivers hold that have expired, so that it is
+    no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
+    command = [
+        "git",
+        "-C",
+        str(root),
+        "log",
+        "--no-show-signature",
+        f"--max-count={_BEFORE}",
+        "--format=%cs",
+        "HEAD",
+    ]
     try:
-        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=20).stdout.strip()
+        said = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20).stdout.split()
     except (OSError, subprocess.SubprocessError):
         raise TrackmarshalError(
             "T348", "there is no commit whose day it could be", help="name a day, `--day 2026-01-31`"
         ) from None
+    latest = (date.today() + timedelta(days=1)).isoformat()  # where the committer was, it may be tomorrow
+    if said[0] > latest:
+        message = f"the commit says that it was made on {said[0]}, which is yet to come"
+        raise TrackmarshalError("T348", message, help="set the clock, and commit again; or name a day")
+    return max(one for one in said if one <= latest)
 
 
 __all__ = ["CODES", "COMMIT", "day"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from trackmarshal import __version__
+from trackmarshal.files import digest
 from trackmarshal.records import (
     Record,
     Ref,
@@ -107,6 +107,27 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] =
     return [*parts, *_limits(spec)]
 
 
+def configured(evaluator: Evaluator, own: Spec) -> list[str]:
+    """The values that a configuration puts in place of those of a spec, as far as rules read them, a line each; places and tables by their hash."""
+    from trackmarshal.meaning import of
+    from trackmarshal.units import in_full
+
+    meaning, spec = _meaning(evaluator), evaluator.spec
+    read = {name for rule in evaluator.rules for name in meaning.rule(rule)}
+    found = [
+        f"{name} = {in_full(param.value, param.unit)}"
+        for name, param in spec.params.items()
+        if param is not own.params.get(name) and f"param {name}" in read
+    ]
+    for kind, ours, theirs in (("table", spec.tables, own.tables), ("place", spec.places, own.places)):
+        found += [
+            f"{name} = {kind} {of(info)}"
+            for name, info in ours.items()
+            if info is not theirs.get(name) and f"{kind} {name}" in read
+        ]
+    return sorted(found)
+
+
 def _limits(spec: Spec) -> Iterator[SpecPart]:
     """What the Supervisor holds cycles and itself to, declared or not: a limit that is struck is the default again."""
     from trackmarshal.meaning import sha256
@@ -159,8 +180,8 @@ def test_result(outcome: Outcome, inputs: Mapping[str, str], fingerprint: str) -
 
 
 def file_hash(path: Path) -> str:
-    """sha256 of a file's bytes."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    """sha256 of what a file holds."""
+    return digest(path.read_bytes())
 
 
 def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:

@@ -71,7 +71,8 @@ def _hook() -> None:
 @contextmanager
 def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
     """The files that are opened meanwhile to be read, and what each was like then: those below a project's folder by their paths from it, others,
-    to which links and `..` lead, by their own. Without those of the cache, of Python and of this program, which has a hash of its own."""
+    to which links and `..` lead, by their own. Without those of the cache, of Python and of this program, which has a hash of its own; of a project
+    that lies in one of these itself, such as on a disk in memory below `/dev`, every file counts that is in none within it."""
     from trackmarshal.meaning.tool import HERE
 
     found: dict[str, tuple[int, ...]] = {}
@@ -79,10 +80,12 @@ def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
         os.path.join(os.path.realpath(folder), "")
         for folder in (root, HERE, cache_folder() or os.devnull, "/dev", "/proc", "/sys")
     )
-    aside = (*apart, program) if not program.startswith(inside) else tuple(apart)
+    within = tuple(folder for folder in apart if folder.startswith(inside) and folder != inside)
+    aside = (*apart, program)
 
     def tell(path: str) -> None:
-        if not path.startswith(aside) and not path.endswith((".py", ".pyc", ".so")):
+        passed_over = path.startswith(within if path.startswith(inside) else aside)
+        if not passed_over and not path.endswith((".py", ".pyc", ".so")):
             found.setdefault(path.removeprefix(inside), _about(path))
 
     _hook()

@@ -1,59 +1,93 @@
-"""In which commits the lines of a file stand, as version control knows it: who wrote them, when, and whether the commit is signed."""
+"""In which commits records of a document stand, as version control knows it: who wrote them, when, and whether the commit is signed."""
 
 from __future__ import annotations
 
+import re
 import subprocess
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
+from typing import Any
 
 from trackmarshal.trace.case.inputs import Recorded
 
 #: What git calls the commit of lines that are in none yet.
 _NONE = "0" * 40
+_AUTHOR = re.compile(r"^author (.*) <[^>]*> (-?[0-9]+) ([+-][0-9]{4})$", re.MULTILINE)
 
 
 def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Recorded]:
-    """By name, the commit of the line at a place (path from the project, line from 1); empty where git knows none of it.
+    """By name, the last commit that changed any line of the record whose id stands at a place (path from the project, line from 1); empty where git
+    knows none of it, or some of it is in none.
 
     Whether a commit carries a signature is a part of it, the same on every machine; whose it is and whether it is good, `git verify-commit` says
     with the keys of whoever asks.
     """
     found: dict[str, Recorded] = {}
-    signed: dict[str, bool] = {}
     for file in sorted({file for file, _ in places.values()}):
         lines = _blame(root, file)
+        records = _records(root / file) if lines else {}
         for name, (of, line) in places.items():
             if of != file or line not in lines:
                 continue
-            commit, author, day = lines[line]
-            if commit == _NONE:
-                found[name] = Recorded("", "", "", False)
-                continue
-            if commit not in signed:
-                signed[commit] = _signed(root, commit)
-            found[name] = Recorded(commit, author, day, signed[commit])
+            first, last = records.get(line, (line, line))
+            commits = {lines[n] for n in range(first, last + 1) if n in lines}
+            found[name] = Recorded("", "", "", False) if _NONE in commits else _last(root, sorted(commits))
     return found
 
 
-def _blame(root: Path, file: str) -> dict[int, tuple[str, str, str]]:
-    """By line: commit, author, and the author's day."""
-    said = _git(root, "blame", "--line-porcelain", "--", file)
-    found: dict[int, tuple[str, str, str]] = {}
-    commit, line, author, seconds, zone = "", 0, "", 0, "+0000"
-    for text in said.split("\n"):
-        word, _, rest = text.partition(" ")
-        if text.startswith("\t"):
-            found[line] = commit, author, _day(seconds, zone)
-        elif len(word) == 40 and rest:
-            commit, line = word, int(rest.split()[1])
-        elif word == "author":
-            author = rest
-        elif word == "author-time":
-            seconds = int(rest)
-        elif word == "author-tz":
-            zone = rest
+def _blame(root: Path, file: str) -> dict[int, str]:
+    """By line the commit; none is passed over, whatever is configured."""
+    said = _git(root, "blame", "--ignore-revs-file=", "--line-porcelain", "--", file)
+    head = re.compile(r"^([0-9a-f]{40}|[0-9a-f]{64}) [0-9]+ ([0-9]+)(?: [0-9]+)?$", re.MULTILINE)
+    return {int(match[2]): match[1] for match in head.finditer(said)}
+
+
+def _records(path: Path) -> dict[int, tuple[int, int]]:
+    """By line of its `id`, the first and the last line of every record in a document."""
+    import yaml
+
+    try:
+        tree = yaml.compose(path.read_text("utf-8-sig"), Loader=yaml.CSafeLoader)
+    except (OSError, ValueError, yaml.YAMLError):
+        return {}
+    found: dict[int, tuple[int, int]] = {}
+    waiting: list[Any] = [tree]
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, yaml.MappingNode):
+            for key, value in node.value:
+                waiting.append(value)
+                if key.value == "id":
+                    found[value.start_mark.line + 1] = (node.start_mark.line + 1, _end(node))
+        elif isinstance(node, yaml.SequenceNode):
+            waiting += node.value
     return found
+
+
+def _end(node: Any) -> int:
+    """The last line of a node; behind what ends with a line, the mark is at the start of the next."""
+    parts = (
+        [part for pair in node.value for part in (pair if isinstance(pair, tuple) else (pair,))]
+        if not isinstance(node.value, str)
+        else []
+    )
+    if parts:
+        return max(map(_end, parts))
+    return int(node.end_mark.line + (node.end_mark.column > 0 or node.end_mark.line == node.start_mark.line))
+
+
+def _last(root: Path, commits: list[str]) -> Recorded:
+    """The commit that comes after the others, with its author as it says: no file of a project gives authors other names."""
+    last = commits[0]
+    if len(commits) > 1:
+        last = _git(root, "rev-list", "--topo-order", "--max-count=1", *commits).strip() or last
+    head = _git(root, "cat-file", "commit", last).partition("\n\n")[0]
+    author = _AUTHOR.search(head)
+    if author is None:
+        return Recorded("", "", "", False)
+    signed = any(line.startswith(("gpgsig ", "gpgsig-sha256 ")) for line in head.split("\n"))
+    return Recorded(last, author[1], _day(int(author[2]), author[3]), signed)
 
 
 def _day(seconds: int, zone: str) -> str:
@@ -63,15 +97,9 @@ def _day(seconds: int, zone: str) -> str:
     return datetime.fromtimestamp(seconds, UTC).astimezone(there).date().isoformat()
 
 
-def _signed(root: Path, commit: str) -> bool:
-    """Whether the head of a commit has a signature."""
-    head = _git(root, "cat-file", "commit", commit).partition("\n\n")[0]
-    return any(line.startswith(("gpgsig ", "gpgsig-sha256 ")) for line in head.split("\n"))
-
-
 def _git(root: Path, *arguments: str) -> str:
-    """What git says; "" where it is not there or refuses."""
-    command: Iterable[str] = ["git", "-C", str(root), *arguments]
+    """What git says of what is recorded, and of nothing that stands in its place here; "" where it is not there or refuses."""
+    command: Iterable[str] = ["git", "--no-replace-objects", "-C", str(root), *arguments]
     try:
         done = subprocess.run(list(command), capture_output=True, check=False)
     except OSError:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.kept import opened
+from trackmarshal.files import digest
 
 if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
@@ -36,7 +37,7 @@ def recorded(root: Path, path: Path, shown: str) -> tuple[Recording, str]:
     hashes = [
         (
             os.path.basename(name) if os.path.isabs(name) else name,
-            hashlib.sha256((root / name).read_bytes()).hexdigest(),
+            digest((root / name).read_bytes()),
         )
         for name in others
     ] + [("specs", hashlib.sha256("\0".join(by_specs).encode()).hexdigest())] * bool(by_specs)

@@ -60,22 +60,38 @@ def last_change(path: str, project: Path) -> str:
 def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
     commit = commit_of(name, project)
-    return _read(commit, called or name, project, into, (), _of_specs)
+    _read(commit, called or name, project, into, (), _of_specs)
+    specs = [path for path in _files(commit, called or name, project) if path.endswith(_SUFFIXES)]
+    _left_out(commit, called or name, project, into, specs, _MOST)
+    return into
 
 
 def read_more(commit: str, project: Path, into: Path, paths: Iterable[str], *, called: str) -> None:
     """Files and folders of a commit, by their paths from the project, below `into`; those that it does not have are left out. Raises T361."""
     wanted = sorted({str(path) for path in paths})
-    there = [
-        path
-        for chunk in (wanted[n : n + _CHUNK] for n in range(0, len(wanted), _CHUNK))
-        for path in _git(
-            project, "ls-tree", "-r", "-z", "--name-only", commit, "--", *chunk, name=called
-        ).split("\0")
-        if path
-    ]
+    chunks = (wanted[n : n + _CHUNK] for n in range(0, len(wanted), _CHUNK))
+    there = [path for chunk in chunks for path in _files(commit, called, project, chunk)]
     for chunk in (there[n : n + _CHUNK] for n in range(0, len(there), _CHUNK)):
         _read(commit, called, project, into, chunk, lambda member: member.size <= _MOST_OF_ANY)
+    _left_out(commit, called, project, into, there, _MOST_OF_ANY)
+
+
+def _files(commit: str, name: str, project: Path, paths: Sequence[str] = ()) -> list[str]:
+    """The regular files of a commit in the project's folder, or in some folders and files of it."""
+    said = _git(project, "ls-tree", "-r", "-z", commit, "--", *paths, name=name)
+    entries = (entry.partition("\t") for entry in said.split("\0"))
+    return [path for mode, _, path in entries if mode.startswith("100")]
+
+
+def _left_out(commit: str, name: str, project: Path, into: Path, paths: Iterable[str], most: int) -> None:
+    """Write what `.gitattributes` keeps out of archives: what a project says is not known without it."""
+    for path in paths:
+        if (into / path).exists() or ".." in Path(path).parts:
+            continue
+        asked = f"{commit}:./{path}"
+        if int(_git(project, "cat-file", "-s", asked, name=name)) <= most:
+            (into / path).parent.mkdir(parents=True, exist_ok=True)
+            (into / path).write_bytes(_bytes(project, "cat-file", "--filters", asked, name=name))
 
 
 def _of_specs(member: tarfile.TarInfo) -> bool:
@@ -128,6 +144,10 @@ def _unpack(stream: IO[bytes], into: Path, wanted: Callable[[tarfile.TarInfo], b
 
 
 def _git(project: Path, *arguments: str, name: str) -> str:
+    return _bytes(project, *arguments, name=name).decode("utf-8", "replace")
+
+
+def _bytes(project: Path, *arguments: str, name: str) -> bytes:
     if shutil.which("git") is None:
         raise TrackmarshalError(
             "T361",
@@ -147,4 +167,4 @@ def _git(project: Path, *arguments: str, name: str) -> str:
             f"`{name}` is no file or folder here, and no revision: {said or 'git does not know it'}",
             help="name a path, or a revision inside a repository",
         )
-    return done.stdout.decode("utf-8", "replace")
+    return done.stdout

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli import campaigns, evidence
 from trackmarshal.cli.facts import Facts
-from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
@@ -88,8 +88,29 @@ class Sources:
             )
             for shown, (_, evaluator) in self._scenarios.items()
         }
-        parts = evidence.spec_parts(self.compiled.spec, items, self._shipped)
+        parts = [*evidence.spec_parts(self.compiled.spec, items, self._shipped), *self._replayed()]
         return Facts(items, parts, tests, inputs, campaigns.cases(self._campaigns), wrong)
+
+    def _replayed(self) -> Iterator[SpecPart]:
+        """What scenarios and campaigns are replayed with beside their own files: values of configurations; and the recording of a campaign."""
+        from trackmarshal.meaning import sha256
+
+        spec = self.root / self.project.default_spec
+        own = {str(scenario.path): scenario.specs for scenario in self.project.scenarios}
+        said = {
+            shown: evidence.configured(
+                evaluator,
+                self._shared.compile((spec, *(self.root / str(s) for s in own[shown])), self.root).spec,
+            )
+            for shown, (_, evaluator) in self._scenarios.items()
+        }
+        for each in self._campaigns:
+            if each.evaluator is not None:
+                values = evidence.configured(each.evaluator, self._shared.compile((spec,), self.root).spec)
+                said[each.shown] = [*each.replayed(own), *values]
+        for shown, lines in said.items():
+            if lines:
+                yield SpecPart("replay", shown, sha256(*lines), "\n".join(lines), "", 0, 0)
 
     def _invented(self) -> Iterable[Finding]:
         """Scenarios that are generated here, and are called from the field (T127): no vehicle was there."""

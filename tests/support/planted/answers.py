@@ -25,6 +25,7 @@ from support.planted.edits import (
     moved,
     put,
     remade,
+    run_git,
     swap,
 )
 
@@ -99,6 +100,31 @@ def _taken_back(root: Path) -> None:
     all_of(gone("requirements/doors.yaml"), unasked, put(BASELINE, before), committed("tidy"))(root)
 
 
+def _merged(how: str, *, beside: Edit | None = None, again: bool = False) -> Edit:
+    """A branch, on which something may be accepted as well, that merges what was meanwhile accepted where it began, so or so.
+
+    again: what is there after it is accepted anew, on top of the branch's own baseline.
+    """
+
+    def edit(root: Path) -> None:
+        begun = run_git(root, "rev-parse", "--abbrev-ref", "HEAD").strip()
+        run_git(root, "checkout", "-qb", "branch")
+        all_of(add("docs/notes.md", "# Notes\n"), git("add", "."), committed("notes"))(root)
+        if beside is not None:
+            all_of(agreed(beside), committed("beside"))(root)
+        run_git(root, "checkout", "-q", begun)
+        more = put("requirements/doors.yaml", DOORS.encode())
+        asked = swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods")
+        all_of(agreed(all_of(more, asked)), git("add", "."), committed("doors"))(root)
+        run_git(root, "checkout", "-q", "branch")
+        run_git(root, "merge", "-q", *how.split(), *(["--no-commit"] if again else ["-m", "merged"]), begun)
+        if again:
+            own = git("checkout", "-q", "HEAD", "--", BASELINE)
+            all_of(own, agreed(lambda _: None), committed("merged"))(root)
+
+    return edit
+
+
 def _as_a_link(root: Path) -> None:
     """The V-model as a link to a file beside the requirements, from the first commit on."""
     (root / V).rename(root / "v-model.yaml")
@@ -135,6 +161,8 @@ FAULTS = [
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
+    Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
+    Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
     # evidence of a kind taken away, and what remains when somebody accepted that
@@ -170,6 +198,8 @@ FAULTS = [
 EDITS = [
     Harmless("the baseline moved with all that was accepted", all_of(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json"), moved(BASELINE, "requirements/accepted.json"), git("add", "."), committed("moved"))),
     Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
+    Harmless("an acceptance merged", _merged("")),
+    Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
     Harmless("one more review", _REVIEWED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),

@@ -159,6 +159,7 @@ FAULTS = [
     Fault("a second system model", put("requirements/world.yaml", b"document: system-model\ntitle: Another\nsubsystems: [{id: X, title: x, role: vehicle, description: x}]\ninterfaces: [{id: X, title: x, rationale: x}]\n"), "T129"),
     # documents taken away
     Fault("a requirement struck", cut(R, "  - id: S-9\n", ""), "T223", "S-9"),
+    Fault("a requirement struck whose gap is waived", cut(R, "  - id: S-1\n", "  - id: S-2\n"), "T223", "S-1"),
     Fault("a requirement struck with all that it holds", cut(R, "  - id: S-2\n", "  - id: S-3\n"), "T223", "S-2"),
     Fault("a hazard analysis thrown away", gone(H), "T376", "HZ-1"),
     Fault("design thrown away", gone(D), "T376", "DE-1"),

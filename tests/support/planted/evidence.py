@@ -38,6 +38,45 @@ GENERATED = swap(
     f"    - {{path: {CALM}",
     f"    - {{path: specs/scenarios/hurry.yaml, title: The same made again, stage: S-4-A, expect: ground_truth, origin: synthetic}}\n    - {{path: {CALM}",
 )
+#: A recording that uses a configuration, and the configuration with a value.
+USES = remade(
+    HURRY, lambda data: data.replace(b'"name":"hurry",', b'"name":"hurry","use":["conf/permit.spec"],', 1)
+)
+OTHER = "specs/scenarios/other.tmrec.jsonl"
+#: The campaign on a recording that is no scenario.
+ON_ANOTHER = all_of(
+    copied(CALM, OTHER), swap(F, "recording: calm.tmrec.jsonl", "recording: other.tmrec.jsonl")
+)
+
+
+#: A report of another runner, as `make test` writes one that need not be there.
+REPORT = "out/tests.xml"
+REPORTED = all_of(
+    swap(
+        V,
+        "  campaigns:",
+        f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n  campaigns:",
+    ),
+    swap(V, "counts: [test, fault]", "counts: [test, fault, external test]"),
+)
+
+
+def ran(*names: str) -> Edit:
+    """What another runner found of tests of two requirements, all of which passed."""
+    tests = "".join(
+        f'<testcase classname="drive" name="{name}"><properties><property name="verifies" value="S-1, S-2"/></properties></testcase>'
+        for name in names
+    )
+    return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
+
+
+def _permit(value: str) -> Edit:
+    return put(
+        "conf/permit.spec",
+        f'module permit\n\nparam v_max : m/s = {value} m/s in [1, 20] source "permit, 2"\n'.encode(),
+    )
+
+
 SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
 DRIVE = "A calm drive, stage: S-4-B, expect: no_fire, origin: synthetic, requirements: [S-1]}"
 
@@ -97,6 +136,9 @@ FAULTS = [
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
     Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
     Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),
+    Fault("a demand of nothing", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: []}"), "T126"),
+    Fault("a demand of no id", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S 1]}"), "T124"),
+    Fault("no specs named", swap(V, "  specs: [specs]\n", ""), "T120"),
     Fault("less at least", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S-1], at_least: partial}"), "T371", "S-4-A, covered"),
     Fault("a stage struck", all_of(swap(V, "  - {id: S-2-C, title: assumptions, shows: what it takes for granted, applies_to: [S-4], counts: [assumption]}\n", ""), swap(V, "  - {stage: S-2-C, requirements: [S-4]}\n", "")), "T371", "S-2-C, covered"),
     Fault("a stage for fewer", swap(V, "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32, S-4]", "shows: that tests pass and faults are found, applies_to: [S-1, S-2, S-32]"), "T371", "S-3-B"),
@@ -126,6 +168,11 @@ FAULTS = [
     Fault("a template of the safety case edited", all_of(put("docs/case/open.html.j2", b"{% extends 'ours/section.html.j2' %}\n"), agreed(swap(V, "  campaigns:", "  case_templates: docs/case\n  campaigns:")), put("docs/case/open.html.j2", b"\n")), "T371"),
     Fault("other words of the safety case", all_of(swap(V, "  campaigns:", "  case_words: docs/words.yaml\n  campaigns:"), put("docs/words.yaml", b"format: trackmarshal-case-words\n")), "T371"),
     Fault("results of a closed loop edited", all_of(put("docs/loop.json", b"{}"), agreed(swap(V, "  campaigns:", "  closed_loop: docs/loop.json\n  campaigns:")), put("docs/loop.json", b"[]")), "T371"),
+    # tests of another runner
+    Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
+    Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
     # waivers
     Fault("a waiver until 9999", swap(V, "expires: 2026-12-31", "expires: 9999-12-31"), "T235", "W-1"),
     Fault("a waiver for everything by x", add(V, "  - {id: W-2, stages: [S-1-A, S-2-A, S-2-B, S-2-C, S-3-B, S-4-A, S-4-B], requirements: ['*'], justification: none, residual_risk: none, owner: x, approver: Sam Safety, granted: 2026-01-01, expires: 9999-12-31}\n"), "T153", "W-2"),
@@ -140,6 +187,7 @@ FAULTS = [
     Fault("a waiver approved by its owner under another id", all_of(swap(A, "  - {id: P-4,", "  - {id: P-5, title: dana  Driver, role: safety}\n  - {id: P-4,"), agreed(swap(V, "approver: Sam Safety", "approver: P-5"))), "T130", "P-5"),
     Fault("a reviewer with the name of the owner", swap(A, "title: Vera Verifier", "title: Dana Driver"), "T130", "P-4"),
     Fault("a waiver for all requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: ['*']"), "T236", "W-1"),
+    Fault("a waiver of no stage", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: []\n    requirements: [S-1]"), "T126"),
     Fault("a waiver that nobody approved", swap(V, "    approver: Sam Safety\n", ""), "T120"),
     Fault("a waiver that holds longer", swap(V, "granted: 2026-01-01\n    expires: 2026-12-31", "granted: 2026-03-01\n    expires: 2027-02-28"), "T377", "W-1"),
     Fault("a waiver that has expired", swap(V, "expires: 2026-12-31", "expires: 2026-05-31"), "T231", "W-1"),
@@ -162,7 +210,13 @@ FAULTS = [
     Fault("the ground truth of a recording changed", remade(HURRY, lambda data: data.replace(b'"rule speed_limit":false', b'"rule speed_limit":true', 1)), "T375", HURRY),
     Fault("no ground truth in a recording", remade(HURRY, lambda data: data.replace(b'"ground_truth"', b'"notes_"')), "D141", status=2),
     Fault("a recording that is none", put(HURRY, b"hello\n"), "D140", status=2),
+    Fault("a value of a configuration that a recording uses", all_of(agreed(all_of(USES, _permit("12"))), _permit("12.3")), "T375", HURRY),
+    Fault("an expectation misspelt", swap(V, SCENARIO, SCENARIO.replace("ground_truth", "ground_thruth")), "T123"),
+    Fault("no expectation", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth, ", "")), "T120"),
     # faults
+    Fault("faults that begin later in the drive", swap(F, "lead: 0.1", "lead: 0"), "T265", F),
+    Fault("faults put into another recording", ON_ANOTHER, "T265", F),
+    Fault("the recording that faults are put into edited", all_of(agreed(ON_ANOTHER), remade(OTHER, lambda data: data.replace(b'"id":"bus","x":80.0', b'"id":"bus","x":80.1'))), "T265", F),
     Fault("a fault struck", cut(F, "  - id: F-2\n", ""), "T265", "specs/scenarios/faults.yaml F-2"),
     Fault("a fault put in no longer", all_of(cut(F, "    begin: 0.1\n    end: 0.2\n    change:\n      - {place", ""), add(F, "    open: there is no time\n")), "T265", "specs/scenarios/faults.yaml F-2"),
     Fault("a fault of another requirement", swap(F, "requirement: S-32", "requirement: S-1"), "T265", "specs/scenarios/faults.yaml F-2"),
@@ -180,7 +234,12 @@ FAULTS = [
     Fault("an argument that is not there", gone("docs/independence.md"), "T250", "docs/independence.md"),
     Fault("an argument replaced by x", put("docs/independence.md", b"x"), "T373", "AN-1"),
     Fault("evidence for fewer", cut(V, "evidence:\n", "gate:"), "T373", "docs/planner.md at S-2-A"),
-    Fault("evidence that is empty", put("docs/planner.md", b""), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is empty", put("docs/planner.md", b""), "T250", "docs/planner.md"),
+    Fault("evidence that is empty, accepted", agreed(put("docs/planner.md", b"")), "T250", "docs/planner.md"),
+    Fault("evidence of a mark and blanks alone", agreed(put("docs/planner.md", b"\xef\xbb\xbf \n\n")), "T250", "docs/planner.md"),
+    Fault("an argument in a comment that nobody sees", agreed(put("docs/independence.md", b"<!-- They do not\nfail together. -->\n")), "T250", "docs/independence.md"),
+    Fault("evidence of an assumption that is empty", agreed(put("docs/sensors.md", b" \n")), "T252", "A-SEEN"),
+    Fault("a section of the design in a comment", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\n<!-- to be written -->\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),
     # results, edited by hand
     Fault("a result of a test edited", entry("test", "braking: harder", _of("result", "message", to="all is well"), rehash=False), "T293", "braking: harder"),
     Fault("a result of a run edited", entry("run", HURRY, _of("result", "fired", to=False), rehash=False), "T293", HURRY),

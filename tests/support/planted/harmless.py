@@ -7,6 +7,7 @@ import re
 from support.planted.edits import (
     Harmless,
     add,
+    agreed,
     all_of,
     committed,
     cut,
@@ -18,7 +19,7 @@ from support.planted.edits import (
     remade,
     swap,
 )
-from support.planted.evidence import OTHER_VERSION
+from support.planted.evidence import GENERATED, OTHER_VERSION, REPORTED, ran
 
 R, M, V, H, A = (
     f"requirements/{name}.yaml"
@@ -68,6 +69,11 @@ EDITS = [
     Harmless("CRLF in requirements", remade(R, _crlf)),
     Harmless("CRLF in the V-model", remade(V, _crlf)),
     Harmless("CRLF in the hazard analysis", remade(H, _crlf)),
+    Harmless("CRLF in a campaign", remade(F, _crlf)),
+    Harmless("CRLF in documents", all_of(*(remade(f"docs/{name}.md", _crlf) for name in ("planner", "sensors", "independence")))),
+    Harmless("CRLF in recordings", all_of(*(remade(f"specs/scenarios/{name}.tmrec.jsonl", _crlf) for name in ("calm", "hurry")))),
+    Harmless("CRLF in a declared scenario and its track", all_of(agreed(GENERATED), remade("specs/scenarios/hurry.yaml", _crlf), remade("specs/tracks/avenue.yaml", _crlf))),
+    Harmless("CRLF in the evidence store", remade(STORE, _crlf)),
     Harmless("a byte order mark", remade(R, lambda data: b"\xef\xbb\xbf" + data)),
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
@@ -107,6 +113,7 @@ EDITS = [
         b'test no_reverse "on"\n  given  plan = line(v: 3 m/s)\n  expect satisfied\n\n'
         b'test no_reverse "back"\n  given  plan = { v: [1 m/s, -1 m/s] }\n  expect violated\n'))),
     Harmless("one more test", add(S, '\ntest braking "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect satisfied\n')),
+    Harmless("tests of another runner, with other names and parameters", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("faster", "slow[3]", "slower"))),
     # around it
     Harmless("no results yet", gone("out")),
     Harmless("a folder without git", gone(".git")),

@@ -125,7 +125,7 @@ def accept_baseline(
     spec = Spec(items, spec_tests, (), (), run_inputs=run_inputs, fault_cases=fault_cases, parts=parts)
     hashes = _files.hashes(project_root, project, spec.items)
     around = _outside.load(project_root, project, spec.items, [])
-    now = _baseline.content(project, spec, hashes, _build_graph(project, spec, hashes, around))
+    now = _baseline.content(project, spec, hashes, _build_graph(project, spec, hashes, around), around)
     return _baseline.accept(project_root, project, now, by, reason, today or date.today(), tell, engine)
 
 

@@ -8,7 +8,7 @@ cannot be read. Nothing is taken away by this: what follows is a finding as befo
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.trace.findings import LEVELS, Finding, Place
 from trackmarshal.trace.graph.graph import Graph
@@ -19,6 +19,7 @@ from trackmarshal.trace.graph.kinds import LINKS
     UNREADABLE,
     DOUBLE,
     UNUSABLE,
+    UNFIT,
     DEMANDS,
     GONE,
     LOOSE,
@@ -31,10 +32,11 @@ from trackmarshal.trace.graph.kinds import LINKS
     UNREVIEWED,
     OUTCOME,
     OPEN,
-) = range(15)
+) = range(16)
 _STEPS = {
     UNREADABLE: "T101 T102 T103 T104 T105 T106 T107 T108 T109 T110 T111 T113 T379 T380",
-    UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T127 T128 T129 T148 T240 T250 T264",
+    UNUSABLE: "T112 T120 T121 T122 T123 T124 T125 T126 T128 T129 T148 T240 T250 T264",
+    UNFIT: "T127",
     DOUBLE: "T130 T131 T209",
     DEMANDS: "T371",
     LOOSE: "T132 T133 T134 T137 T138 T142 T145 T146 T147 T151 T152 T153 T155 T156 T157 T201 T203 T204 T205 T210 T213 T263 T336 T342",
@@ -102,21 +104,31 @@ _OF_RECORD = frozenset({"T148"})
 _UPWARD = frozenset({"tests", "evaluates", "replays", "reviews", "examines", "used_for"})
 
 
-def causes(findings: Sequence[Finding], graph: Graph) -> dict[Finding, Finding]:
-    """By finding that follows from another one, the one that it follows from in the end. Notes, forged results and a missing baseline are neither."""
+def causes(
+    findings: Sequence[Finding], graph: Graph, demands: Iterable[tuple[Place, str]] = ()
+) -> dict[Finding, Finding]:
+    """By finding that follows from another one, the one that it follows from in the end. Notes, forged results and a missing baseline are neither.
+
+    demands: of the gate, which is no part of the graph, where each stands and how the baseline calls it.
+    """
     # Whoever changes results does so beside whatever else was changed; and that there is no baseline says nothing about documents.
     apart = [*_STEPS[FORGED].split(), "T220"]
-    return _Folding([f for f in findings if f.level != "note" and f.code not in apart], graph).done()
+    told = [f for f in findings if f.level != "note" and f.code not in apart]
+    return _Folding(told, graph, demands).done()
 
 
 class _Folding:
-    def __init__(self, findings: Sequence[Finding], graph: Graph) -> None:
+    def __init__(
+        self, findings: Sequence[Finding], graph: Graph, demands: Iterable[tuple[Place, str]]
+    ) -> None:
         self._graph = graph
         #: What a place in a document belongs to: by file, where things begin there.
         self._records: dict[str, list[tuple[Place, str]]] = defaultdict(list)
         for node in graph.nodes.values():
             if node.place is not None:
                 self._records[node.place.file].append((node.place, node.id))
+        for place, name in demands:
+            self._records[place.file].append((place, name))
         for places in self._records.values():
             places.sort()
         self._about = {finding: self._subjects(finding) for finding in findings}
@@ -158,7 +170,8 @@ class _Folding:
     def _subjects(self, finding: Finding) -> tuple[str, ...]:
         """What a finding is about: by name, or by its place in a document."""
         names = [name for name in (finding.subject, *finding.about) if name]
-        if finding.place is not None and (not names or finding.code in _OF_RECORD):
+        of_settings = finding.code == "T371" and not finding.subject
+        if finding.place is not None and (not names or of_settings or finding.code in _OF_RECORD):
             line = finding.place.line
             before = [name for place, name in self._records.get(finding.place.file, ()) if place.line <= line]
             names += (finding.place.file, *before[-1:])

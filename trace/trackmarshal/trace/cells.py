@@ -175,8 +175,8 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     for entry in ground.project.evidence:
         if entry.stage == stage.id and matches(requirement.id, entry.requirements):
             actual = ground.hashes.get(entry.path)
-            if actual is None:
-                status, detail = "missing", "not there"
+            if not actual:
+                status, detail = "missing", "not there" if actual is None else "says nothing"
             elif entry.sha256 and actual != entry.sha256:
                 status, detail = "stale", "changed since it was reviewed"
             else:
@@ -203,8 +203,9 @@ def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof
         ]
         if not item.evidence:
             lacks.append("no evidence")
-        elif ground.hashes.get(item.evidence) is None:
-            lacks.append(f"`{item.evidence}` is not there")
+        elif not ground.hashes.get(item.evidence):
+            there = ground.hashes.get(item.evidence) is not None
+            lacks.append(f"`{item.evidence}` {'says nothing' if there else 'is not there'}")
         elif (item.evidence, item.name) in ground.outside.denials:
             lacks.append(f"`{item.evidence}` says that there is no evidence")
         return ("partial", ", ".join(lacks)) if lacks else ("covered", f"{item.owner}; {item.evidence}")

@@ -11,12 +11,15 @@ from typing import NamedTuple
 
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import below, read_regular
+from trackmarshal.files import below, digest, read_regular
 from trackmarshal.junit import reading
 from trackmarshal.records import ExternalTest
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.values import Placed
+
+#: What a test came to that passed with another version of its file.
+STALE = "stale"
 
 
 class External(NamedTuple):
@@ -39,6 +42,8 @@ def verdict(test: ExternalTest) -> tuple[str, str]:
             return "covered", "passed"
         case "failed" | "error":
             return "failed", f"{test.outcome}: {test.message}" if test.message else test.outcome
+        case "stale":
+            return "stale", test.message
         case "skipped":
             return "missing", f"skipped: {test.message}" if test.message else "skipped"
         case other:
@@ -53,7 +58,9 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         found.append(error("T340", message, entry.names.place, "such as `S_1_[AB]_[0-9]+`", entry.path))
         return
     tests: list[ExternalTest] = []
-    for shown in _files(root, entry, found):
+    before = len(found)
+    files = _files(root, entry, found)
+    for shown in files:
         try:
             tests += _read(root / shown, shown, entry.tool)
         except TrackmarshalError as problem:
@@ -63,6 +70,9 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
             found.append(
                 error("T331", problem.strerror or str(problem), Place(shown), "make it readable", entry.path)
             )
+    if files and not tests and len(found) == before:
+        message = f"the test report `{entry.path}` holds no test, so its tests were not run"
+        found.append(error("T330", message, entry.path.place, "run the tests that write it", entry.path))
     if pattern is not None:
         tests = [_named(test, pattern) for test in tests]
     if tests and not any(test.requirements for test in tests):
@@ -70,10 +80,14 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         message = f"none of the {len(tests)} tests in `{entry.path}` names a requirement"
         found.append(warning("T341", message, entry.path.place, help_, entry.path))
     here: dict[str, str] = {}
+    held: dict[str, str] = {}
     for test in tests:
         if test.file not in here:
             here[test.file] = _in_project(root, test.file)
+            held[test.file] = _held(root, test.file) if test.file_hash else ""
         file = here[test.file]
+        if test.outcome == "passed" and test.file_hash and test.file_hash != held[test.file]:
+            test = replace(test, outcome=STALE, message="its file has changed since it ran")
         yield External(
             test, entry.stage, Place(file, test.line) if file else Place(test.report, test.report_line)
         )
@@ -102,14 +116,14 @@ def _read(path: Path, shown: str, tool: str) -> tuple[ExternalTest, ...]:
     if path.suffix.lower() != ".json":
         return reading.read(path, shown, tool)
     file = records.load(path, shown)
-    digest = hashlib.sha256(read_regular(path)).hexdigest()
+    sha256 = hashlib.sha256(read_regular(path)).hexdigest()
     return tuple(
         replace(
             item,
             tool=tool or item.tool,
             created=item.created or file.created,
             report=shown,
-            report_hash=digest,
+            report_hash=sha256,
         )
         for item in file.items
         if isinstance(item, ExternalTest)
@@ -135,8 +149,16 @@ def _in_project(root: Path, file: str) -> str:
         return ""
 
 
+def _held(root: Path, file: str) -> str:
+    """The sha256 of what the file of a test holds now, wherever it is; empty where there is none."""
+    try:
+        return digest(read_regular(root / file))
+    except (OSError, ValueError):
+        return ""
+
+
 def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
-    """Tests of what is not demanded, that failed, or that were skipped (T336 to T339)."""
+    """Tests of what is not demanded, that failed, that were skipped, or that ran as they are no more (T336 to T339, T216)."""
     counting = {str(stage.id) for stage in project.stages if "external test" in stage.counts}
     stages = {str(stage.id) for stage in project.stages}
     for entry in project.junit:
@@ -145,6 +167,7 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
             message = f"`{entry.path}` is evidence at {entry.stage}, where external tests do not count"
             yield error("T339", message, entry.stage.place, help_, entry.path)
     skipped: dict[str, list[External]] = {}
+    stale: dict[str, list[External]] = {}
     for external in tests:
         test = external.test
         for id_ in test.requirements:
@@ -162,6 +185,8 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
             yield error("T337", message, external.place, "", test.name)
         elif status == "missing":
             skipped.setdefault(test.report, []).append(external)
+        elif status == "stale":
+            stale.setdefault(test.report, []).append(external)
     for report, those in skipped.items():
         said = "1 test was" if len(those) == 1 else f"{len(those)} tests were"
         message = f"{said} skipped in `{report}`, which counts as not covered"
@@ -171,4 +196,11 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
             those[0].place,
             "run what they need, or take the requirement away",
             those[0].test.name,
+        )
+    for report, those in stale.items():
+        said = "1 test in `{}` is" if len(those) == 1 else f"{len(those)} tests in `{{}}` are"
+        message = f"{said.format(report)} no longer what ran, which counts as not covered"
+        others = tuple(one.test.name for one in those[1:])
+        yield Finding(
+            "T216", "warning", message, those[0].place, "run them again", those[0].test.name, about=others
         )

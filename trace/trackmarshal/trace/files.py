@@ -10,6 +10,7 @@ from pathlib import Path
 
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import digest
 from trackmarshal.records import FaultResult, RunSummary, SpecItem, TestResult
 from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place, error
@@ -17,19 +18,20 @@ from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
 
-#: sha256 by path; None where there is no such file.
+#: sha256 by path; None where there is no such file, and empty for a document that says nothing.
 Hashes = Mapping[str, str | None]
 
 
 def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     """The hashes of all files that evidence, scenarios, campaigns, assumptions and design name, and of sections about requirements."""
-    paths = {str(e.path) for e in project.evidence} | {str(s.path) for s in project.scenarios}
-    paths |= {str(s.kept) for s in project.scenarios if s.kept} | set(map(str, project.campaigns))
-    paths |= {str(path) for _, path in _written_down(project)}
+    paths = {str(s.path) for s in project.scenarios} | set(map(str, project.campaigns))
+    paths |= {str(s.kept) for s in project.scenarios if s.kept}
     paths |= {str(project.closed_loop)} if project.closed_loop else set()
     paths |= {str(project.case_words)} if project.case_words else set()
-    paths |= {item.evidence for item in items if item.evidence}
+    documents = {str(e.path) for e in project.evidence} | {str(path) for _, path in _written_down(project)}
+    documents |= {item.evidence for item in items if item.evidence}
     found = {path: sha256(root, path) for path in sorted(paths)}
+    found |= {path: _document(root, path) for path in sorted(documents)}
     if project.case_templates:
         found[str(project.case_templates)] = _folder(root, str(project.case_templates))
     return {**found, **sections.hashes(root, project)}
@@ -52,54 +54,81 @@ def _written_down(project: Project) -> Iterator[tuple[Entry, Placed]]:
 
 
 def sources(root: Path, project: Project, runs: Iterable[RunSummary]) -> Hashes:
-    """The hashes of what kept runs were made from, also out of the project: logs that are not part of it are there named by path."""
+    """The hashes of what kept runs were made from, also out of the project: logs that are not part of it are there named by path.
+
+    They were taken of the bytes; those of a text that a checkout gave other ends of lines are what it holds.
+    """
     kept = {str(scenario.path) for scenario in project.scenarios if scenario.kept}
-    return {
-        path: sha256(root, path, outside=True)
-        for run in runs
-        if run.scenario in kept
-        for path in run.made_from
-    }
+    found: dict[str, str | None] = {}
+    for run in runs:
+        for path, was in run.made_from.items() if run.scenario in kept else ():
+            found[path] = _as_bytes(root, path)
+            if found[path] not in (None, was):
+                found[path] = sha256(root, path, outside=True)
+    return found
 
 
-def sha256(root: Path, path: str, outside: bool = False) -> str | None:
-    """The sha256 of a file, None where there is none; `outside`: it may be out of the project."""
+def _as_bytes(root: Path, path: str) -> str | None:
+    """The sha256 of a file's bytes, wherever it is, however long; None where there is none."""
     try:
-        whole = (root / path).resolve()
-        if not (outside or whole.is_relative_to(root.resolve())) or not whole.is_file():
+        if not (root / path).is_file():
             return None
-        with whole.open("rb") as file:
+        with (root / path).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except (OSError, ValueError):
         return None
 
 
+def sha256(root: Path, path: str, outside: bool = False) -> str | None:
+    """The sha256 of what a file holds, None where there is none; `outside`: it may be out of the project."""
+    data = _bytes(root, path, outside)
+    return None if data is None else digest(data)
+
+
+def _bytes(root: Path, path: str, outside: bool = False) -> bytes | None:
+    """The bytes of a file of the project; None where there is none."""
+    try:
+        whole = (root / path).resolve()
+        inside = outside or whole.is_relative_to(root.resolve())
+        return whole.read_bytes() if inside and whole.is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
+def _document(root: Path, path: str) -> str | None:
+    """The sha256 of a document; empty for one that says nothing, None where there is none."""
+    data = _bytes(root, path)
+    if data is None:
+        return None
+    return "" if sections.silent(data) else digest(data)
+
+
 def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
-    """Evidence that is not there, or is not what was reviewed (T250 to T252)."""
+    """Evidence that is not there, says nothing, or is not what was reviewed (T250 to T252)."""
     for entry in project.evidence:
         actual = found.get(entry.path)
-        if actual is None:
-            yield error(
-                "T250",
-                f"the evidence `{entry.path}` is not there",
-                entry.path.place,
-                "write it, or strike the entry",
-                entry.path,
-            )
+        if not actual:
+            message = f"the evidence `{entry.path}` {_lacking(actual)}"
+            yield error("T250", message, entry.path.place, "write it, or strike the entry", entry.path)
         elif entry.sha256 and actual != entry.sha256:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
             help_ = f"review it again, then set `sha256: {actual}`"
             yield error("T251", message, entry.path.place, help_, entry.path)
     for made, path in _written_down(project):
-        if found.get(path) is None:
-            message = f"the document `{path}` of the {made.kind} `{made.id}` is not there"
+        if not found.get(path):
+            message = f"the document `{path}` of the {made.kind} `{made.id}` {_lacking(found.get(path))}"
             yield error("T250", message, path.place, "write it, or strike the entry", path)
     for item in spec.by_name.values():
-        if item.kind == "assume" and item.evidence and found.get(item.evidence) is None:
-            message = f"the evidence `{item.evidence}` of the assumption `{item.name}` is not there"
+        if item.kind == "assume" and item.evidence and not found.get(item.evidence):
+            lacks = _lacking(found.get(item.evidence))
+            message = f"the evidence `{item.evidence}` of the assumption `{item.name}` {lacks}"
             yield error(
                 "T252", message, item_place(item), "write it; paths are relative to the project", item.name
             )
+
+
+def _lacking(actual: str | None) -> str:
+    return "is not there" if actual is None else "says nothing"
 
 
 @dataclass(frozen=True, slots=True)

@@ -80,8 +80,8 @@ class Waivers:
 
 
 def _excused(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[str]:
-    """What a waiver is about: the items of its cells, or its subjects."""
-    yield from map(str, (*waiver.subjects, *(f"at {stage}" for stage in waiver.stages)))
+    """What a waiver is about: the items of its cells, its requirements, which may be gone, or its subjects."""
+    yield from map(str, (*waiver.subjects, *waiver.requirements, *(f"at {stage}" for stage in waiver.stages)))
     for id_, row in cells.items():
         if matches(id_, waiver.requirements):
             yield id_

@@ -143,7 +143,8 @@ def assemble(
     graph = build(project, spec, hashes, around)
     asking = schema.Asking(graph, project)
     cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
-    content = baselines.content(project, spec, hashes, graph)
+    content = baselines.content(project, spec, hashes, graph, around)
+    content = content if baseline is None else baselines.carried(baseline.content, content)
     loose = [
         *consistency.check(project),
         *consistency.recordings(project, hashes),
@@ -195,7 +196,7 @@ def assemble(
         gates.demands(project),
         tuple(one for one in baseline.acceptances if one.weaker) if baseline else (),
         unreviewed(graph, schema.of(project).reviewed or ()),
-        causes.causes(findings, graph),
+        causes.causes(findings, graph, [(d.stage.place, f"{d.stage}, {d.at_least}") for d in project.gate]),
         baseline,
         content,
     )

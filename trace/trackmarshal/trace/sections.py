@@ -11,19 +11,33 @@ from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.values import Placed
 
 _HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
 #: Larger documents are read by nobody; they have no sections here.
 LARGEST = 16_000_000
 
 
+def silent(document: bytes) -> bool:
+    """Whether a document says nothing: it is empty, or holds comments of HTML alone, which nobody sees. What is no text in UTF-8 says something."""
+    try:
+        return len(document) <= LARGEST and not _seen(document.decode("utf-8-sig")).strip()
+    except UnicodeDecodeError:
+        return False
+
+
+def _seen(text: str) -> str:
+    """A text without comments of HTML; those that no end follows are seen."""
+    return _COMMENT.sub("", text)
+
+
 def section(text: str, name: str) -> str | None:
     """What stands below the first heading that names an id, down to the next heading of its level; None where there is none, or nothing below it.
 
-    The id stands in the heading as a word of its own. Headings in code blocks are none.
+    The id stands in the heading as a word of its own. Headings in code blocks are none, and comments of HTML say nothing.
     """
     named = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])")
     level, lines = 0, []
-    for depth, line in _headed(text):
+    for depth, line in _headed(_seen(text)):
         if level and 0 < depth <= level:
             break
         if level:
@@ -91,4 +105,4 @@ def _read(root: Path, path: str) -> str:
         return ""
 
 
-__all__ = ["allocated", "documents", "hashes", "key", "section"]
+__all__ = ["allocated", "documents", "hashes", "key", "section", "silent"]

@@ -5,7 +5,7 @@ It is a file beside the requirements, written by `accept` only, with who accepte
 
 from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.check import check
-from trackmarshal.trace.baseline.content import Content, content
+from trackmarshal.trace.baseline.content import Content, carried, content
 from trackmarshal.trace.baseline.file import DEFAULT, Acceptance, Baseline, accept, load, read
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "Content",
     "Tell",
     "accept",
+    "carried",
     "changes",
     "check",
     "content",

@@ -44,10 +44,10 @@ _FIELDS = {
     "named": "files that it names",
 }
 
-#: Hashes of files. One that is not there is told where it is missed.
-_FILES = ("recording", "kept run", "sha256", "evidence sha256")
+#: Hashes of files, and what is known only where specs are sound. What is not there is told where it is missed.
+_FILES = ("recording", "kept run", "sha256", "evidence sha256", "replayed with")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in", "named", "closed loop")
+_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop")
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +104,7 @@ _COME_TO = {
 
 
 def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator[Change]:
-    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told, nor the issues of an interface.
+    """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told, nor the issues of an interface, nor what is in a report.
 
     tell: asked once, and only where rules, or what they read, are other ones.
     """
@@ -125,6 +125,10 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
             if kind == "test" and not {f"rule {rule}", f"assumption {rule}"} & now.keys():
                 continue
             if kind == "issue" and f"interface {name.rpartition('.')[0]}" not in now:
+                continue
+            if kind == "campaign":  # that is not named any more, or of which nothing is known
+                continue
+            if kind == "external-tests" and f"report {name.partition(' in ')[2]}" not in now:
                 continue
             yield Change(kind, name, "", "there", "", kind not in ("waiver", UNREVIEWED))
         elif key not in before:
@@ -177,7 +181,7 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return bool(set(_elements(new)) - set(_elements(old)))
     if field == "asil" and isinstance(old, str) and isinstance(new, str) and {old, new} <= set(ASILS):
         return ASILS.index(new) < ASILS.index(old)
-    if field.endswith(" tests a rule"):
+    if field.endswith(" tests a rule") or kind == "external-tests":
         return int(_text(new) or 0) < int(_text(old) or 0)
     if field in _LATER and not old:
         return False

@@ -22,20 +22,25 @@ _TOLD = 3
 _MADE_OF = ("rule", "assumption", "param", "table", "place", "signal")
 #: What the kinds of entries are called.
 _CALLED = {
-    "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings",
+    "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings", "external-tests": "count of external tests",
 }  # fmt: skip
-_PLURAL = {"evidence": "evidence", "analysis": "analyses"}
+_PLURAL = {
+    "evidence": "evidence",
+    "analysis": "analyses",
+    "count of external tests": "counts of external tests",
+}
 #: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
 _GONE = {
     "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224",
+    "external-tests": "T221",
 }  # fmt: skip
 _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "waiver": "T377", "issue": "T224",
-    "report": "T373", "section": "T373", UNREVIEWED: "T382",
+    "report": "T373", "section": "T373", UNREVIEWED: "T382", "external-tests": "T221", "campaign": "T265",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -113,6 +118,10 @@ def _names(change: Change, before: Entry) -> Iterator[str]:
         yield change.name.partition(" ")[2]
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
+    if change.kind == "external-tests":
+        id_, _, report = change.name.partition(" in ")
+        yield id_
+        yield from report.rsplit(" at ", 1)[:1]
     if change.kind == "limit":  # as a rule that reads it calls it
         yield f"supervisor.limits.{change.name}"
     if change.kind == "rulebook":
@@ -152,12 +161,16 @@ def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[
     for change in found:
         code = _code(change)
         one = "" if code == "T370" and change.field == "meaning" else change.key
-        if code in ("T374", "T221"):
+        if change.kind == "external-tests":  # one test may be of several requirements
+            one = change.name.partition(" in ")[2]
+        elif code in ("T374", "T221"):
             one = change.name.partition(": ")[0]
         elif change.kind == "issue":
             one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
+        elif change.field == "replayed with":  # of a configuration that several share
+            one = f"{change.before} {change.after}"
         elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
             one = change.kind
         groups[code, one].append(change)
@@ -243,8 +256,11 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
     found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}
     found |= {f"scenario {s.path}": s.path.place for s in project.scenarios}
+    found |= {f"campaign {path}": path.place for path in project.campaigns}
     found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}
     found |= {f"report {report.path} at {report.stage}": report.path.place for report in project.junit}
+    for id_ in project.by_id:
+        found |= {f"external-tests {id_} in {r.path} at {r.stage}": r.path.place for r in project.junit}
     found |= {f"waiver {w.id}": w.id.place for w in project.waivers}
     found |= {f"section {sections.key(path, r)}": at.place for at, _, path, r in sections.allocated(project)}
     for item in spec.by_name.values():

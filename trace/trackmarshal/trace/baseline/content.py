@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
@@ -15,6 +16,7 @@ from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.reviewed import unreviewed
 from trackmarshal.trace.model import Project
+from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
 
 #: A field's value: a text, or texts in order, each once.
@@ -24,17 +26,21 @@ Entry: TypeAlias = dict[str, Value]
 UNREVIEWED = "unreviewed"
 #: By kind and name (`requirement RR-1`), what it is.
 Content: TypeAlias = dict[str, Entry]
+#: What entries of tests of other runners begin with, and what their names may end with.
+_EXTERNAL = "external-tests "
+_PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
 
 
-def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Content:
-    """All of it as it is now, in an order of its own."""
+def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph, outside: Outside) -> Content:
+    """All of it as it is now, in an order of its own; of reports of other runners that could not be read, nothing (`carried`)."""
     found: Content = {}
     for key, entry in (
         *_documents(project, hashes),
         *_v_model(project, spec, hashes),
         *_specs(spec, hashes),
+        *_external(project, outside),
         *_reviews(project, graph),
     ):
         said = {name: value for name, value in entry.items() if value}
@@ -42,6 +48,37 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph) -> Conte
             found[key] = _both(found[key], said)
         found.setdefault(key, said)
     return dict(sorted(found.items()))
+
+
+def carried(before: Content, now: Content) -> Content:
+    """What there is now, with what was accepted of reports of other runners that were not read, such as in a fresh checkout: nobody knows what is in them."""
+    read = {_report(key) for key in now if key.startswith(_EXTERNAL)}
+    kept = {
+        key: entry
+        for key, entry in before.items()
+        if key.startswith(_EXTERNAL) and _report(key) not in read and _report(key) in now
+    }
+    return dict(sorted({**now, **kept}.items())) if kept else now
+
+
+def _report(key: str) -> str:
+    """The entry of the report that tests of another runner are in."""
+    return f"report {key.partition(' in ')[2]}"
+
+
+def _external(project: Project, outside: Outside) -> Iterator[tuple[str, Entry]]:
+    """How many tests of other runners show something of a requirement, by the report that they are in: tests get other names, and are parametrized otherwise."""
+    for report in project.junit:
+        named: dict[str, set[tuple[str, str]]] = defaultdict(set)
+        for test, stage, _ in outside.tests:
+            if stage == report.stage and (
+                test.report == report.path or test.report.startswith(f"{report.path}/")
+            ):
+                for id_ in test.requirements:
+                    named[id_].add((test.suite, _PARAMETERS.sub("", test.name)))
+        for id_, tests in named.items():
+            if id_ in project.by_id and project.by_id[id_].demanded:
+                yield f"{_EXTERNAL}{id_} in {report.path} at {report.stage}", {"number": str(len(tests))}
 
 
 def _both(one: Entry, other: Entry) -> Entry:
@@ -131,10 +168,14 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
         }  # fmt: skip
     for demand in project.gate:
         yield f"gate {demand.stage}, {demand.at_least}", {"requirements": _list(demand.requirements)}
+    replayed = {part.name: part.shown.split("\n") for part in spec.parts if part.kind == "replay"}
+    for campaign in project.campaigns:
+        if campaign in replayed:
+            yield f"campaign {campaign}", {"replayed with": _list(replayed[campaign])}
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())), "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (
@@ -176,6 +217,8 @@ def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             },
         )
     for part in spec.parts:
+        if part.kind == "replay":
+            continue  # it stands with its scenario or campaign
         yield f"{part.kind} {part.name}", {"says": part.fingerprint, "shown": part.shown}
     for case in spec.faults:
         yield (

@@ -13,7 +13,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
 from trackmarshal.trace.baseline.changes import Tell, changes
-from trackmarshal.trace.baseline.content import Content
+from trackmarshal.trace.baseline.content import Content, carried
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
 
@@ -64,6 +64,7 @@ def accept(
         raise TrackmarshalError(
             finding.code, finding.message, file=finding.place and finding.place.file, help=finding.help
         )
+    now = now if before is None else carried(before.content, now)
     weaker = (
         []
         if before is None

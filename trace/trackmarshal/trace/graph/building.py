@@ -156,7 +156,7 @@ class _Building:
             }  # fmt: skip
             self._node(_KIND[item.kind], item.name, item.title, item_place(item), attributes)
         for part in self.spec.parts:
-            if part.kind == "limit":
+            if part.kind in ("limit", "replay"):
                 continue  # to which nothing is linked
             place = Place(part.file, part.line, part.column)
             self._node(
@@ -235,11 +235,7 @@ class _Building:
         for entry in self.project.evidence:
             there = self.hashes.get(entry.path)
             outcome = (
-                "missing"
-                if there is None
-                else "changed"
-                if entry.sha256 and entry.sha256 != there
-                else "there"
+                "missing" if not there else "changed" if entry.sha256 and entry.sha256 != there else "there"
             )
             attributes = {"stage": str(entry.stage), "outcome": outcome, "fingerprint": there or ""}
             self._node("document", entry.path, entry.title, entry.path.place, attributes)
@@ -259,7 +255,7 @@ class _Building:
                 path,
                 "",
                 place,
-                {"outcome": "missing" if there is None else "there", "fingerprint": there or ""},
+                {"outcome": "there" if there else "missing", "fingerprint": there or ""},
             )
         for waiver in self.project.waivers:
             attributes = {

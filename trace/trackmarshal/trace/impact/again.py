@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import NamedTuple
 
 from trackmarshal.trace import faults
-from trackmarshal.trace.baseline import Baseline, changes
+from trackmarshal.trace.baseline import Baseline, carried, changes
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.impact.resting import resting, rests_on
@@ -51,7 +51,9 @@ def tasks(before: Version, now: Version, hit: Collection[Key], baseline: Baselin
             done.add(task.key)
             yield task
     if baseline is not None:
-        weaker = [one for one in changes(baseline.content, now.content) if one.weaker]
+        weaker = [
+            one for one in changes(baseline.content, carried(baseline.content, now.content)) if one.weaker
+        ]
         if weaker:
             said = "1 change" if len(weaker) == 1 else f"{len(weaker)} changes"
             yield Task(

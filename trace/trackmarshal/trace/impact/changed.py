@@ -36,8 +36,8 @@ def changed(before: Version, now: Version) -> list[Changed]:
     """All of them, in the order of the V-model. Titles, reasons, layout and comments do not count."""
     said: dict[Key, list[tuple[str, str, bool]]] = defaultdict(list)
     for one in changes(before.content, now.content):
-        if one.kind in (UNREVIEWED, *_OF_GRAPH):
-            continue  # which reviews fall is told by itself, and texts are below
+        if one.kind in (UNREVIEWED, "external-tests", *_OF_GRAPH):
+            continue  # which reviews fall is told by itself, texts are below, and reports are of no revision
         how = "changed" if one.field else "gone" if one.before else "new"
         said[_key(one.kind, one.name)].append((how, str(one).removeprefix(f"{one.key}: "), one.weaker))
     for key, how, what in (*_texts(before, now), *_code(before, now)):

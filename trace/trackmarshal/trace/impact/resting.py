@@ -18,7 +18,7 @@ _TARGET = frozenset({"leads_to", "allocated_to", "used_for"})
 #: Kinds in the order of the V-model, for what does not rest on each other; others come last.
 _RANKS = (
     "engine", "project", "stage", "gate", "subsystem", "interface", "issue", "operational design domain", "hazard", "safety goal", "requirement", "design element",
-    "limit", "signal", "parameter", "table", "place", "constraint", "assumption", "rule", "code", "test", "result", "scenario", "run", "fault", "external test",
+    "limit", "signal", "parameter", "table", "place", "constraint", "assumption", "rule", "code", "test", "result", "scenario", "campaign", "run", "fault", "external test",
     "document", "analysis", "waiver", "review", "baseline",
 )  # fmt: skip
 

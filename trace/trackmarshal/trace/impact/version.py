@@ -79,7 +79,7 @@ def version(
         project,
         spec,
         graph,
-        baselines.content(project, spec, hashes, graph),
+        baselines.content(project, spec, hashes, graph, around),
         hashes,
         code,
         tuple(wrong),

@@ -67,7 +67,9 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
     node = writing.graph.nodes.get(("run", str(one.path)))
     facts: list[tuple[str, Line]] = [
         ("label.stage", given(str(one.stage))),
-        ("label.expect", writing.line(f"expect.{one.expect}")),
+        *(
+            (("label.expect", writing.line(f"expect.{one.expect}")),) if one.expect else ()
+        ),  # else it was reported where it stands
         ("label.origin", given(one.origin)),
     ]
     if run is None or node is None:
