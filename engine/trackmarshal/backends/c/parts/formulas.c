@@ -105,6 +105,11 @@ static inline tm_truth tm_xor(tm_truth a, tm_truth b) {
   return one;
 }
 
+/** Whether a formula holds, for all that is known. */
+static inline bool tm_may_hold(tm_truth a) {
+  return a.sat || !a.known;
+}
+
 /** Whenever the guard holds, the body; nothing is demanded otherwise. */
 static inline tm_truth tm_whenever(tm_truth guard, tm_truth body) {
   const tm_truth a = {guard.sat ? body.margin : TM_INF, !guard.sat || body.sat, guard.known && (!guard.sat || body.known)};
@@ -275,6 +280,11 @@ static inline tm_cases tm_xor_any(tm_cases a, tm_cases b) {
       (a.worst_sat && !b.best_sat) || (b.worst_sat && !a.best_sat),
       !((a.worst_sat && b.worst_sat) || !(a.best_sat || b.best_sat))};
   return one;
+}
+
+/** Whether a formula holds, for all that is known. */
+static inline bool tm_may_hold_any(tm_cases a) {
+  return a.best_sat;
 }
 
 /** Whenever the guard holds, the body; nothing is demanded otherwise. */
