@@ -503,9 +503,7 @@ class Writer:
 
     # Formulas ---------------------------------------------------------------------------------------------------
 
-    def formula(
-        self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False
-    ) -> c.Expr:
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False) -> c.Expr:
         """C of a formula that is read in a scope. named: it gets a name, as it is read twice."""
         home = self._home(node, scope)
         known = home.known.get(node)

@@ -216,9 +216,7 @@ class _Noting(Writer):
 
     _inside = False
 
-    def formula(
-        self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False
-    ) -> c.Expr:
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False) -> c.Expr:
         if self._inside or (over_run(node) and not recalls(node)):
             return super().formula(node, scope, role, named)
         self._inside = True
