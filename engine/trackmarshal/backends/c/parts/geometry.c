@@ -283,19 +283,9 @@ static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
 
 /** A number of the sign of a point's signed distance from the border of a region: at once where it is off the region's box. */
 static double tm_in_area_sign(tm_context *c, tm_shape *shape, double x, double y) {
-  const tm_box at = {x, y, x, y};
-  const tm_box near = tm_grown(&at, 1.0);
-  const size_t end = shape->first + shape->count;
-  if (shape->usable && tm_usable(x) && tm_usable(y)) {
-    bool off = true;
-    for (size_t i = shape->first; off && (i < end); i += 512u) {
-      off = !tm_boxes_meet(&c->part_box[i / 512u], &near);
-    }
-    if (off) {
-      return -1.0;
-    }
-  }
-  return tm_in_area(c, shape, x, y);
+  const tm_box *box = &shape->around;
+  const bool off = tm_usable(x) && tm_usable(y) && ((x < box->x0) || (box->x1 < x) || (y < box->y0) || (box->y1 < y));
+  return (shape->usable && off) ? -1.0 : tm_in_area(c, shape, x, y);
 }
 
 /** The four corners of the box at a point, heading along (ahead, aside), seen from (ox, oy), counter-clockwise from the front left. */
