@@ -152,7 +152,9 @@ class Writer:
         home = self.home(self.facts.free(node), scope)
         needed = home
         for candidate in scope.chain():
-            if candidate is home or isinstance(node, ir.Projected | ir.OnLane):  # others may ask the same projection
+            if candidate is home or isinstance(
+                node, ir.Projected | ir.OnLane
+            ):  # others may ask the same projection
                 break
             if candidate.binds:
                 needed = home  # not again and again
