@@ -1,4 +1,5 @@
-"""What generated C leaves out: sweeps of a timeline that cannot be the least, distances of which the sign counts, loops over one set."""
+"""What generated C leaves out: sweeps of a timeline that cannot be the least, distances of which the sign counts, loops over one set,
+what is asked of elements that are not in range."""
 
 from __future__ import annotations
 
@@ -82,3 +83,43 @@ def test_rules_over_one_set_share_a_loop(tmp_path: Path) -> None:
     assert group.count("tm_line_project(") == 1
     # A path is projected on sample by sample: a loop of its own.
     assert "tm_rules_" not in known(tmp_path, *["  for all b in boxes\n  require offset(b, plan) > 1 m"] * 2)
+
+
+IN_RANGE = "  for all p in plan where p.v > 1 m/s\n  require p.x / p.v < {} s"
+
+
+def test_what_is_asked_of_elements_in_range_is_computed_for_them_alone(tmp_path: Path) -> None:
+    text = known(tmp_path, IN_RANGE.format(9))
+    (asked,) = re.findall(r"if \(tm_may_hold\(guard\)\) \{(.*?)\n    \}", text, re.DOTALL)
+    assert asked.count(" / ") == text.count(" / ") == 1
+    assert asked.count("tm_for_all_where(") == text.count("tm_for_all_where(") == 1
+    # Nothing is computed: no branch.
+    assert "tm_may_hold(" not in known(
+        tmp_path, "  for all p in plan where p.v > 1 m/s\n  require p.x < 9 m"
+    )
+
+
+def test_rules_that_ask_something_of_the_same_elements_share_a_branch(tmp_path: Path) -> None:
+    other = "  for all p in plan where p.v > 1 m/s\n  require p.y / p.v < 8 s"
+    text = known(tmp_path, IN_RANGE.format(9), other)
+    assert text.count("tm_may_hold(") == 1
+    assert text.count(" / ") == 2
+    # What somebody else reads, too, stands before it.
+    shared = known(tmp_path, IN_RANGE.format(9), "  for all p in plan\n  require p.x / p.v < 90 s")
+    assert shared.count(" / ") == 1
+    assert "tm_may_hold(" not in shared or shared.index(" / ") < shared.index("tm_may_hold(")
+
+
+def test_what_goes_with_a_memory_is_computed_in_every_cycle(tmp_path: Path) -> None:
+    """A memory that some cycles leave out would take them for gaps."""
+    path = tmp_path / "short.spec"
+    rule = "  for all b in boxes where b.length > 1 m\n  require {}abs(b.x / b.length) < 9{}"
+    sources = []
+    for before, after in (("", ""), ("once(", ")")):
+        path.write_text(f'{HEAD}rule r "made up"\n{rule.format(before, after)}\n', encoding="utf-8")
+        spec = load(path)
+        sources.append(generate(spec, spec.rules).source)
+    plain, remembered = sources
+    assert "if (tm_may_hold_any(" in plain
+    assert "_now(context" in remembered
+    assert "if (tm_may_hold_any(" not in remembered

@@ -147,6 +147,21 @@ class Writer:
                 return candidate
         raise AssertionError("scopes end at the root")
 
+    def _home(self, node: Value, scope: c.Scope) -> c.Scope:
+        """Where a node is computed that is read in a scope: where its variables have their values, yet no sooner than it is known to be needed."""
+        home = self.home(self.facts.free(node), scope)
+        needed = home
+        for candidate in scope.chain():
+            if candidate is home or isinstance(
+                node, ir.Projected | ir.OnLane
+            ):  # others may ask the same projection
+                break
+            if candidate.binds:
+                needed = home  # not again and again
+            elif needed is home and node in candidate.own:
+                needed = candidate
+        return needed
+
     def index(self, axis: ir.Axis, scope: c.Scope) -> c.Expr:
         for candidate in scope.chain():
             if axis in candidate.binds:
@@ -220,7 +235,7 @@ class Writer:
         self, node: ir.Num, scope: c.Scope, role: str = "", most: int = _LONG, times: int = 1
     ) -> c.Expr:
         """C of a number that is read in a scope, as often as `times`. `role`: what it is there, for its name if it needs one."""
-        home = self.home(self.facts.free(node), scope)
+        home = self._home(node, scope)
         known = home.known.get(node)
         if known is not None:
             return known
@@ -490,15 +505,15 @@ class Writer:
 
     # Formulas ---------------------------------------------------------------------------------------------------
 
-    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds") -> c.Expr:
-        """C of a formula that is read in a scope."""
-        home = self.home(self.facts.free(node), scope)
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False) -> c.Expr:
+        """C of a formula that is read in a scope. named: it gets a name, as it is read twice."""
+        home = self._home(node, scope)
         known = home.known.get(node)
         if known is not None:
             return known
         before, self._span = self._span, getattr(node, "span", None) or self._span
         made = self._formula(node, home)
-        if not isinstance(node, ir.Truth) and self._apart(node, made, home is not scope, _LONG):
+        if not isinstance(node, ir.Truth) and self._apart(node, made, named or home is not scope, _LONG):
             made = self.declare(home, self.type, made, *self._called(node, made, role, home))
         home.known[node] = made
         self._span = before
@@ -691,12 +706,44 @@ class Writer:
             if some:
                 axis, spoken = nodes[0].axis, some[0][1].names
                 scope = self._if_any(axis, at) if once else self.loop(axis, at, spoken)
-                for place, node in some:
+                for together in self._together(some):
                     if owners:
-                        self.of(owners[place])
-                    self._one_more(node, found[node], scope, sweeps)
+                        self.of(owners[together[0][0]])
+                    inner = self._where([node for _, node in together], scope)
+                    for place, node in together:
+                        if owners:
+                            self.of(owners[place])
+                        self._one_more(node, found[node], inner, sweeps)
+                    if inner is not scope:
+                        scope.close(inner)
                 at.close(scope)
         return [found[node] for node in nodes]
+
+    def _together(self, some: Sequence[tuple[int, ir.Quantify]]) -> list[list[tuple[int, ir.Quantify]]]:
+        """Quantifiers in their order, those that ask something of the same elements beside the first of them."""
+        found: list[list[tuple[int, ir.Quantify]]] = []
+        asking: dict[ir.Formula, list[tuple[int, ir.Quantify]]] = {}
+        for each in some:
+            guard = each[1].guard
+            if guard is None or _is_true(each[1].body):
+                found.append([each])
+            elif guard in asking:
+                asking[guard].append(each)
+            else:
+                found.append(asking.setdefault(guard, [each]))
+        return found
+
+    def _where(self, nodes: Sequence[ir.Quantify], scope: c.Scope) -> c.Scope:
+        """The scope for what some quantifiers ask of elements in range: an `if` of its own where anything is computed that nobody else reads."""
+        guard, own = nodes[0].guard, self.usage.only_in([node.body for node in nodes])
+        if guard is None or not any(isinstance(node, _WORTH) for node in own):
+            return scope
+        if any(isinstance(node, _EVERY_CYCLE) for node in own):
+            return scope
+        condition = self.over("may_hold", self.formula(guard, scope, "guard", named=True))
+        inner = scope.open(lambda body: c.If(condition, body))
+        inner.own = own
+        return inner
 
     def _alike(self, node: ir.Quantify) -> bool:
         """Whether a quantifier says the same of all that it goes through."""
@@ -791,5 +838,9 @@ def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
             return ()
 
 
+#: What is not computed where it is not needed.
+_WORTH = (ir.Arith, ir.Func, ir.Lookup, ir.GridLookup, ir.Along, ir.OnLane, ir.Fold, ir.Quantify, ir.SweptInside, ir.SweptClear, ir.InArea)  # fmt: skip
+#: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
+_EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.
 _TAKEN = RESERVED | {"context", "in", "out", "monitor", "known"}

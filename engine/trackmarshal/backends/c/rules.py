@@ -23,11 +23,11 @@ DEEPEST = 900
 PARAMETERS = (("tm_context *", "context"), ("const tm_input *", "in"), ("tm_result *", "out"))
 _OUT = c.Name("out")
 #: What formulas are in C: where everything is known, and where something is not.
-TRUTH = """/* Whether a formula holds, and by how much; `known`: nothing that it needs is missing. */
+TRUTH = """/* Whether a formula holds, and by how much; `doubt`: zero, or NaN where something that it needs is missing. */
 typedef struct {
   double margin;
   bool sat;
-  bool known;
+  double doubt;
 } tm_truth;
 """
 CASES = """/* The margin of a formula and whether it holds, in the worst and in the best case of what is not known (strong Kleene logic). */

@@ -139,6 +139,7 @@ class Usage:
 
     def __init__(self, facts: Facts, roots: Iterable[ir.Formula], called: Mapping[ir.IR, Called]) -> None:
         self.readers: dict[Value, int] = {}
+        self._facts = facts
         #: Those that the spec has a name for.
         self.own: set[Value] = set()
         names: dict[Value, str] = {}
@@ -163,6 +164,19 @@ class Usage:
         #: What the spec calls nodes; those whose name others have, too.
         self.names = names
         self.ambiguous = {node for node, name in names.items() if several[name] > 1}
+
+    def only_in(self, roots: Iterable[Value]) -> frozenset[Value]:
+        """The nodes in some, these among them, that are read for them alone."""
+        found: set[Value] = set()
+        read: Counter[Value] = Counter()
+        stack = list(roots)
+        while stack:
+            node = stack.pop()
+            read[node] += 1
+            if read[node] == self.readers[node]:
+                found.add(node)
+                stack += self._facts.operands(node)
+        return frozenset(found)
 
 
 #: What has a name of its own, whatever else it is called.

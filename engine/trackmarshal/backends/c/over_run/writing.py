@@ -216,11 +216,11 @@ class _Noting(Writer):
 
     _inside = False
 
-    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds") -> c.Expr:
+    def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False) -> c.Expr:
         if self._inside or (over_run(node) and not recalls(node)):
-            return super().formula(node, scope, role)
+            return super().formula(node, scope, role, named)
         self._inside = True
-        made = super().formula(node, scope, role)
+        made = super().formula(node, scope, role, named)
         self._inside = False
         return self.call("tm_if_driven", self.name("driven"), made) if _of_plan(node) else made
 

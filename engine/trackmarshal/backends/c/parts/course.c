@@ -1,6 +1,6 @@
 /** What is said of a sample of a course; of a gap, nothing is known. */
 static inline tm_truth tm_unless_missed(uint64_t missing, tm_truth a) {
-  const tm_truth said = {a.margin, a.sat, a.known && (missing == 0u)};
+  const tm_truth said = {a.margin, a.sat, (missing == 0u) ? a.doubt : TM_NAN};
   return said;
 }
 

@@ -75,16 +75,16 @@ static double tm_curve_limit(const tm_curve *curve, double bound) {
 }
 
 /** How far what is swept along a curve may be beyond the hull of both footprints, or more [m]; infinite where that is not known at once.
-   (du, dv): the chord; both headings by their cosines and sines, which may be wrong by 1e-5. As in tm_curve_of, for slopes up to 0.25,
+   (du, dv): the chord from one pose to the other; cosines and sines of their turns may be wrong by 1e-5. As in tm_curve_of, for slopes up to 0.25,
    where a tangent is at most 0.6 times the cube above its sine, and the power of 1.5 at most 1.7 times the square above 1. */
-static inline double tm_curve_reach(double du, double dv, double cosine0, double sine0, double cosine1, double sine1, double kappa0,
-                                    double kappa1, double corner) {
+static inline double tm_curve_reach(double du, double dv, const tm_posed *p, const tm_posed *q, double kappa0, double kappa1,
+                                    double corner) {
   const double way = sqrt((du * du) + (dv * dv));
   const double per = 1.0 / tm_greatest(way, 1e-9);
-  const double along0 = (du * cosine0) + (dv * sine0);
-  const double along1 = (du * cosine1) + (dv * sine1);
-  const double a0 = per * ((du * sine0) - (dv * cosine0));
-  const double a1 = per * ((du * sine1) - (dv * cosine1));
+  const double along0 = (du * p->cosine) + (dv * p->sine);
+  const double along1 = (du * q->cosine) + (dv * q->sine);
+  const double a0 = per * ((du * p->sine) - (dv * p->cosine));
+  const double a1 = per * ((du * q->sine) - (dv * q->cosine));
   const double q0 = a0 * a0;
   const double q1 = a1 * a1;
   const double b0 = kappa0 * way;
@@ -96,9 +96,9 @@ static inline double tm_curve_reach(double du, double dv, double cosine0, double
   const double sway = 3.0 * (fabs(a0 + a1) + cubes);
   const double steep = turn + lean;
   const double off = fabs((0.5 * (b0 + b1)) - (a1 - a0)) + ((cubes + bent) + ((0.03125 * lean) * (steep * steep)));
-  const double bulge = (way * (turn + (0.26 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
-  /* Half of the bulge is that of the way; the other half is more than that of its pieces. */
-  const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.25 * bulge);
+  /* An eighth of the bulge is that of the way; that of its pieces, if there are two or more, is at most a quarter of it (of the sway, 0.61). */
+  const double bulge = (way * (turn + (0.335 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
+  const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.15625 * bulge);
   const int small = (q0 <= 0.0625) & (q1 <= 0.0625) & (along0 > 2e-6) & (along1 > 2e-6) & (more < 1e30); /* there are floats for it */
   return (small != 0) ? ((1.001 * more) + (1e-4 * (corner + way))) : TM_INF;
 }

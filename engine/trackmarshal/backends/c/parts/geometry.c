@@ -140,7 +140,7 @@ static tm_strip tm_strip_of(const tm_frame *frame, double ox, double oy) {
 }
 
 /** Which of eight boxes along a strip may lie within `reach` of a box in it, (u0, u1, v0, v1): a bit each. NaN is near. */
-static unsigned tm_strip_bits(const float *u0, const float *u1, const float *v0, const float *v1, const float *box, float reach) {
+static inline unsigned tm_strip_bits(const float *u0, const float *u1, const float *v0, const float *v1, const float *box, float reach) {
   static const int bit[8] = {1, 2, 4, 8, 16, 32, 64, 128};
   const float limit = reach * reach;
   int found = 0;
@@ -158,41 +158,40 @@ static unsigned tm_strip_bits(const float *u0, const float *u1, const float *v0,
   return (unsigned)found;
 }
 
-/** The outline of the block of segments from `i` on, along a strip, and which of them may lie within `reach` of it: a bit each.
+/** The block of segments from `i` on, along a strip; `near`: which of them may lie within `reach` of it, a bit each.
    `slack`: what may be wrong with its numbers, and those of the strip, which are short, and a little more [m]. */
-static unsigned tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach, tm_beside_strip *beside) {
-  const tm_outline *outline = &c->outline[i / 8u];
+static tm_beside_strip tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach) {
+  tm_beside_strip beside;
+  const float *x = c->outline[i / 8u].x;
+  const float *y = c->outline[i / 8u].y;
   const tm_boxes *groups = &c->groups[i / 512u];
   const size_t group = (i / 64u) & 7u;
   const double apart_x = (double)groups->x0[group] - strip->ox;
   const double apart_y = (double)groups->y0[group] - strip->oy;
   const double extent = (double)((groups->x1[group] - groups->x0[group]) + (groups->y1[group] - groups->y0[group])) +
                         (fabs(apart_x) + fabs(apart_y));
+  const float ahead = strip->ahead;
+  const float aside = strip->aside;
   const float dx = (float)apart_x;
   const float dy = (float)apart_y;
   const float box[4] = {strip->u0, strip->u1, strip->v0, strip->v1};
-  float u0[8];
-  float u1[8];
-  float v0[8];
-  float v1[8];
-  for (size_t k = 0u; k < 8u; ++k) {
-    const float x = outline->x[k] + dx;
-    const float y = outline->y[k] + dy;
-    beside->u[k] = (strip->ahead * x) + (strip->aside * y);
-    beside->v[k] = (strip->ahead * y) - (strip->aside * x);
+  for (size_t k = 0u; k < 8u; ++k) { /* what two segments share is computed for both: eight at once take no longer */
+    const float ua = (ahead * (x[k] + dx)) + (aside * (y[k] + dy));
+    const float va = (ahead * (y[k] + dy)) - (aside * (x[k] + dx));
+    const float ub = (ahead * (x[k + 1u] + dx)) + (aside * (y[k + 1u] + dy));
+    const float vb = (ahead * (y[k + 1u] + dy)) - (aside * (x[k + 1u] + dx));
+    beside.ua[k] = ua;
+    beside.va[k] = va;
+    beside.ub[k] = ub;
+    beside.vb[k] = vb;
+    beside.u0[k] = (ua < ub) ? ua : ub;
+    beside.u1[k] = (ua < ub) ? ub : ua;
+    beside.v0[k] = (va < vb) ? va : vb;
+    beside.v1[k] = (va < vb) ? vb : va;
   }
-  beside->u[8] = (strip->ahead * (outline->x[8] + dx)) + (strip->aside * (outline->y[8] + dy));
-  beside->v[8] = (strip->ahead * (outline->y[8] + dy)) - (strip->aside * (outline->x[8] + dx));
-  for (size_t k = 0u; k < 8u; ++k) {
-    const bool ahead = beside->u[k] < beside->u[k + 1u];
-    const bool left = beside->v[k] < beside->v[k + 1u];
-    u0[k] = ahead ? beside->u[k] : beside->u[k + 1u];
-    u1[k] = ahead ? beside->u[k + 1u] : beside->u[k];
-    v0[k] = left ? beside->v[k] : beside->v[k + 1u];
-    v1[k] = left ? beside->v[k + 1u] : beside->v[k];
-  }
-  beside->slack = 1e-4 + (1e-6 * ((extent + strip->size) + reach));
-  return tm_strip_bits(u0, u1, v0, v1, box, (float)(reach + beside->slack));
+  beside.slack = 1e-4 + (1e-6 * ((extent + strip->size) + reach));
+  beside.near = tm_strip_bits(beside.u0, beside.u1, beside.v0, beside.v1, box, (float)(reach + beside.slack));
+  return beside;
 }
 
 /** The distance of a point from a segment; both are seen from (ox, oy). */
@@ -224,8 +223,8 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    tm_beside_strip beside;
-    unsigned looked = tm_strip_near(c, i, &strip, best, &beside);
+    const tm_beside_strip beside = tm_strip_near(c, i, &strip, best);
+    unsigned looked = beside.near;
     for (size_t k = i; (looked != 0u) && (k < stop); ++k) {
       if (((looked & 1u) != 0u) && (k != likely)) {
         const tm_segment s = tm_segment_at(c, k);
@@ -284,19 +283,9 @@ static double tm_in_area(tm_context *c, tm_shape *shape, double x, double y) {
 
 /** A number of the sign of a point's signed distance from the border of a region: at once where it is off the region's box. */
 static double tm_in_area_sign(tm_context *c, tm_shape *shape, double x, double y) {
-  const tm_box at = {x, y, x, y};
-  const tm_box near = tm_grown(&at, 1.0);
-  const size_t end = shape->first + shape->count;
-  if (shape->usable && tm_usable(x) && tm_usable(y)) {
-    bool off = true;
-    for (size_t i = shape->first; off && (i < end); i += 512u) {
-      off = !tm_boxes_meet(&c->part_box[i / 512u], &near);
-    }
-    if (off) {
-      return -1.0;
-    }
-  }
-  return tm_in_area(c, shape, x, y);
+  const tm_box *box = &shape->around;
+  const bool off = tm_usable(x) && tm_usable(y) && ((x < box->x0) || (box->x1 < x) || (y < box->y0) || (box->y1 < y));
+  return (shape->usable && off) ? -1.0 : tm_in_area(c, shape, x, y);
 }
 
 /** The four corners of the box at a point, heading along (ahead, aside), seen from (ox, oy), counter-clockwise from the front left. */
@@ -341,21 +330,22 @@ static void tm_convex_hull(const double *px, const double *py, tm_hull *hull) {
   double y[8] = {0.0};
   size_t n = 0u;
   size_t count = 0u;
-  for (size_t i = 0u; i < 8u; ++i) {
-    size_t at = n;
+  for (size_t i = 0u; i < 8u; ++i) { /* sorted; of equal ones, the first stays the first */
+    size_t at = i;
     while ((at > 0u) && ((px[i] < x[at - 1u]) || ((px[i] == x[at - 1u]) && (py[i] < y[at - 1u])))) {
+      x[at] = x[at - 1u];
+      y[at] = y[at - 1u];
       --at;
-    }
-    if ((at > 0u) && (px[i] == x[at - 1u]) && (py[i] == y[at - 1u])) {
-      continue; /* known */
-    }
-    for (size_t j = n; j > at; --j) {
-      x[j] = x[j - 1u];
-      y[j] = y[j - 1u];
     }
     x[at] = px[i];
     y[at] = py[i];
-    ++n;
+  }
+  for (size_t i = 0u; i < 8u; ++i) {
+    if ((n == 0u) || (x[i] != x[n - 1u]) || (y[i] != y[n - 1u])) {
+      x[n] = x[i];
+      y[n] = y[i];
+      ++n;
+    }
   }
   for (size_t i = 0u; i < n; ++i) {
     count = tm_hull_point(hull, 0u, count, x[i], y[i]);
@@ -502,22 +492,35 @@ static void tm_sweep_hull(tm_sweep *sweep) {
   }
 }
 
-/** Whether a point is farther than `best` from a sweep, going by the line from the rear of the first pose to the front of the second
-   one on the point's side, and the corners beyond it. */
-static bool tm_sweep_far(const tm_sweep *sweep, double x, double y, double best) {
-  const bool left = ((sweep->frame.ahead * y) - (sweep->frame.aside * x)) > (0.5 * (sweep->frame.v0 + sweep->frame.v1));
-  const size_t rear = left ? 1u : 2u;
-  const size_t front = left ? 4u : 7u;
+/** Whether a segment is farther than `best` from a sweep, going by the line along the side of the sweep that it lies on, from the rear of the
+   first pose to the front of the second one, and by how far both footprints reach beyond that line. */
+static bool tm_sweep_far(const tm_sweep *sweep, const tm_segment *s, double best) {
+  const tm_curve *curve = sweep->curve;
+  const size_t j = sweep->piece;
+  const size_t next = j + 1u;
+  const tm_frame *frame = &sweep->frame;
+  const double ax = s->ax - sweep->ox;
+  const double ay = s->ay - sweep->oy;
+  const double bx = s->bx - sweep->ox;
+  const double by = s->by - sweep->oy;
+  const bool left = ((frame->ahead * ay) - (frame->aside * ax)) > (0.5 * (frame->v0 + frame->v1));
   const double sign = left ? 1.0 : -1.0;
-  const double ex = sign * (sweep->x[front] - sweep->x[rear]);
-  const double ey = sign * (sweep->y[front] - sweep->y[rear]);
-  const double way = (fabs(ex) + fabs(ey)) * 1e-5;
-  double beyond = 0.0;
-  for (size_t i = 0u; i < 8u; ++i) {
-    const double off = (ex * (sweep->y[i] - sweep->y[rear])) - (ey * (sweep->x[i] - sweep->x[rear]));
-    beyond = tm_greatest(beyond, off);
-  }
-  const double off = (((ex * (y - sweep->y[rear])) - (ey * (x - sweep->x[rear]))) - beyond) - way;
+  const double half_length = 0.5 * sweep->length;
+  const double half_width = (0.5 * sweep->width) * sign;
+  const double rear_x = -((half_length * curve->ahead[j]) + (half_width * curve->aside[j]));
+  const double rear_y = (half_width * curve->ahead[j]) - (half_length * curve->aside[j]);
+  const double front_x = (curve->x[next] - sweep->ox) + ((half_length * frame->ahead) - (half_width * frame->aside));
+  const double front_y = (curve->y[next] - sweep->oy) + ((half_length * frame->aside) + (half_width * frame->ahead));
+  const double ex = sign * (front_x - rear_x);
+  const double ey = sign * (front_y - rear_y);
+  const double forward = sweep->length * ((ex * curve->aside[j]) - (ey * curve->ahead[j]));
+  const double inward = -((2.0 * half_width) * ((ex * curve->ahead[j]) + (ey * curve->aside[j])));
+  const double backward = sweep->length * ((ey * frame->ahead) - (ex * frame->aside));
+  const double inward_next = -((2.0 * half_width) * ((ex * frame->ahead) + (ey * frame->aside)));
+  const double beyond = tm_greatest(tm_greatest(forward, 0.0) + tm_greatest(inward, 0.0),
+                                    tm_greatest(backward, 0.0) + tm_greatest(inward_next, 0.0));
+  const double off = tm_least((ex * (ay - rear_y)) - (ey * (ax - rear_x)), (ex * (by - rear_y)) - (ey * (bx - rear_x))) -
+                     (beyond + ((fabs(ex) + fabs(ey)) * 1e-5));
   return (off > 0.0) && ((off * off) > (((ex * ex) + (ey * ey)) * (best * best)));
 }
 
@@ -528,8 +531,10 @@ static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
   const double ay = s->ay - sweep->oy;
   const double bx = s->bx - sweep->ox;
   const double by = s->by - sweep->oy;
+  double across[8];
+  double ends[8];
   double line = TM_INF;
-  double ends = TM_INF;
+  double end = TM_INF;
   double reach;
   double best;
   tm_segment start;
@@ -540,17 +545,19 @@ static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
     const bool beside = ((0.0 < product) & (product < s->square)) != 0;
     const double sx = sweep->x[i] - bx;
     const double sy = sweep->y[i] - by;
-    const double across = fabs((s->ex * ry) - (s->ey * rx));
-    const double end = tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy));
-    line = tm_least(line, beside ? across : TM_INF);
-    ends = tm_least(ends, beside ? TM_INF : end);
+    across[i] = beside ? fabs((s->ex * ry) - (s->ey * rx)) : TM_INF;
+    ends[i] = beside ? TM_INF : tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy));
   }
-  reach = tm_least(line / s->length, sqrt(ends));
+  for (size_t i = 0u; i < 8u; ++i) {
+    line = tm_least(line, across[i]);
+    end = tm_least(end, ends[i]);
+  }
+  reach = tm_least(line / s->length, sqrt(end));
   best = tm_least(sweep->best, reach);
   start = *s;
   start.bx = s->ax;
   start.by = s->ay;
-  if ((tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) && !tm_sweep_far(sweep, ax, ay, best)) {
+  if ((tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) && !tm_sweep_far(sweep, &start, best)) {
     tm_sweep_hull(sweep);
     reach = tm_least(reach, tm_hull_distance(&sweep->hull, ax, ay));
   }
@@ -683,6 +690,9 @@ static bool tm_sweep_nearer(const tm_context *c, size_t i, tm_sweep *sweep) {
       return false;
     }
   }
+  if (tm_sweep_far(sweep, &s, sweep->best)) {
+    return false;
+  }
   tm_sweep_corners(sweep);
   reach = tm_sweep_gap(sweep, &s);
   if (reach < sweep->best) {
@@ -729,8 +739,8 @@ static double tm_piece_inside(tm_context *c, tm_shape *shape, const tm_curve *cu
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); (i < end) && !sweep.entered; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    tm_beside_strip beside;
-    unsigned looked = tm_strip_near(c, i, &strip, sweep.best, &beside);
+    const tm_beside_strip beside = tm_strip_near(c, i, &strip, sweep.best);
+    unsigned looked = beside.near;
     for (size_t k = i; (looked != 0u) && (k < stop) && !sweep.entered; ++k) {
       if (((looked & 1u) != 0u) && (k != likely) && tm_sweep_nearer(c, k, &sweep)) {
         near = tm_grown(&box, sweep.best);
@@ -793,6 +803,18 @@ static size_t tm_stretch_end(const double *x, const double *y, const double *hea
   return stop;
 }
 
+/** About the cosine of an angle: up to 0.4 rad good to 1e-5, up to 0.25 rad to 1e-6. */
+static double tm_about_cosine(double angle) {
+  const double square = angle * angle;
+  return 1.0 - (square * (0.5 - (square * (1.0 / 24.0))));
+}
+
+/** About the sine of an angle, as good as that. */
+static double tm_about_sine(double angle) {
+  const double square = angle * angle;
+  return angle * (1.0 - ((square * (1.0 / 6.0)) * (1.0 - (square * 0.05))));
+}
+
 /** Poses seen along the one in their middle, and the box of them all. */
 static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y, const double *heading, size_t count, double length,
                           double width) {
@@ -813,13 +835,19 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
     pose->u = (all->ahead * dx) + (all->aside * dy);
     pose->v = (all->ahead * dy) - (all->aside * dx);
     pose->turn = heading[i] - heading[middle];
-    const double sine = tm_least(fabs(pose->turn), 1.0); /* no less than it */
-    pose->along = 0.5 * (length + (width * sine));
-    pose->across = 0.5 * (width + (length * sine));
-    all->u0 = tm_least(all->u0, pose->u - pose->along);
-    all->u1 = tm_greatest(all->u1, pose->u + pose->along);
-    all->v0 = tm_least(all->v0, pose->v - pose->across);
-    all->v1 = tm_greatest(all->v1, pose->v + pose->across);
+    pose->cosine = tm_about_cosine(pose->turn);
+    pose->sine = tm_about_sine(pose->turn);
+    const double turned = tm_least(fabs(pose->turn), 1.0); /* no less than its sine */
+    const double along = 0.5 * (length + (width * turned));
+    const double across = 0.5 * (width + (length * turned));
+    all->u0 = tm_least(all->u0, pose->u - along);
+    all->u1 = tm_greatest(all->u1, pose->u + along);
+    all->v0 = tm_least(all->v0, pose->v - across);
+    all->v1 = tm_greatest(all->v1, pose->v + across);
+    pose->u0 = (float)(pose->u - along);
+    pose->u1 = (float)(pose->u + along);
+    pose->v0 = (float)(pose->v - across);
+    pose->v1 = (float)(pose->v + across);
   }
 }
 
@@ -827,22 +855,14 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
    poses. */
 static void tm_stretch_reaches(tm_stretch *stretch, const double *kappa, size_t count, double length, double width) {
   const double corner = 0.5 * sqrt((length * length) + (width * width));
-  double cosine[TM_STRETCH + 1u];
-  double sine[TM_STRETCH + 1u];
   stretch->widest = 0.0;
   stretch->reach[0] = 0.0;
-  for (size_t i = 0u; i < count; ++i) {
-    const double turn = stretch->pose[i].turn;
-    const double square = turn * turn;
-    cosine[i] = 1.0 - (square * (0.5 - (square * (1.0 / 24.0))));
-    sine[i] = turn * (1.0 - ((square * (1.0 / 6.0)) * (1.0 - (square * 0.05))));
-  }
   for (size_t i = 1u; i < count; ++i) {
     const tm_posed *p = &stretch->pose[i - 1u];
     const tm_posed *q = &stretch->pose[i];
     const double du = q->u - p->u;
     const double dv = q->v - p->v;
-    double reach = tm_curve_reach(du, dv, cosine[i - 1u], sine[i - 1u], cosine[i], sine[i], kappa[i - 1u], kappa[i], corner);
+    double reach = tm_curve_reach(du, dv, p, q, kappa[i - 1u], kappa[i], corner);
     if (!(reach < TM_INF)) {
       reach = tm_stand_reach(du, dv, q->turn - p->turn, corner);
     }
@@ -878,27 +898,25 @@ static void tm_stretch_list(const tm_context *c, const tm_shape *shape, tm_stret
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    tm_beside_strip beside;
-    unsigned looked = tm_strip_near(c, i, &strip, reach, &beside);
+    const tm_beside_strip beside = tm_strip_near(c, i, &strip, reach);
+    unsigned looked = beside.near;
     stretch->slack = tm_greatest(stretch->slack, beside.slack);
     for (size_t k = 0u; (looked != 0u) && ((i + k) < stop); ++k) {
       if ((looked & 1u) != 0u) {
         const size_t n = stretch->count;
-        const bool ahead = beside.u[k] < beside.u[k + 1u];
-        const bool left = beside.v[k] < beside.v[k + 1u];
         ++stretch->count;
         if (n == TM_STRETCH_LIST) {
           return;
         }
         stretch->at[n] = i + k;
-        stretch->ua[n] = beside.u[k];
-        stretch->va[n] = beside.v[k];
-        stretch->ub[n] = beside.u[k + 1u];
-        stretch->vb[n] = beside.v[k + 1u];
-        stretch->u0[n] = ahead ? beside.u[k] : beside.u[k + 1u];
-        stretch->u1[n] = ahead ? beside.u[k + 1u] : beside.u[k];
-        stretch->v0[n] = left ? beside.v[k] : beside.v[k + 1u];
-        stretch->v1[n] = left ? beside.v[k + 1u] : beside.v[k];
+        stretch->ua[n] = beside.ua[k];
+        stretch->va[n] = beside.va[k];
+        stretch->ub[n] = beside.ub[k];
+        stretch->vb[n] = beside.vb[k];
+        stretch->u0[n] = beside.u0[k];
+        stretch->u1[n] = beside.u1[k];
+        stretch->v0[n] = beside.v0[k];
+        stretch->v1[n] = beside.v1[k];
       }
       looked >>= 1u;
     }
@@ -920,9 +938,8 @@ static bool tm_box_near(const tm_frame *box, double ua, double va, double ub, do
 
 /** Which of the listed segments may lie within `reach` of what is swept between two poses of a stretch, going by the stretch: a bit each. */
 static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double reach) {
-  const float box[4] = {
-    (float)tm_least(p->u - p->along, q->u - q->along), (float)tm_greatest(p->u + p->along, q->u + q->along),
-    (float)tm_least(p->v - p->across, q->v - q->across), (float)tm_greatest(p->v + p->across, q->v + q->across)};
+  const float box[4] = {(q->u0 < p->u0) ? q->u0 : p->u0, (q->u1 > p->u1) ? q->u1 : p->u1,
+                        (q->v0 < p->v0) ? q->v0 : p->v0, (q->v1 > p->v1) ? q->v1 : p->v1};
   const float more = (float)(reach + stretch->slack);
   unsigned long bits = 0u;
   for (size_t k = 0u; k < stretch->count; k += 8u) {
@@ -932,29 +949,30 @@ static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *
   return bits & ((1ul << stretch->count) - 1ul);
 }
 
-/** Of these segments, those that may still be going by the second pose, if that is turned by little from the stretch. */
+/** Of these segments, those that may still be going by the direction in the middle between both poses, if that is turned by little from
+   the stretch. */
 static unsigned long tm_stretch_nearer(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double length, double width,
                                        double reach, unsigned long near) {
-  const double square = q->turn * q->turn;
-  const double cosine = 1.0 - (square * (0.5 - (square / 24.0)));
-  const double sine = q->turn * (1.0 - ((square / 6.0) * (1.0 - (square / 20.0))));
-  const double turned = tm_least(fabs(p->turn - q->turn), 1.0); /* no less than its sine */
+  const double turn = 0.5 * (p->turn + q->turn);
+  const double cosine = tm_about_cosine(turn);
+  const double sine = tm_about_sine(turn);
+  const double turned = tm_least(0.5 * fabs(p->turn - q->turn), 1.0); /* no less than its sine */
+  const double along = 0.5 * (length + (width * turned));
+  const double across = 0.5 * (width + (length * turned));
   const double pu = (cosine * p->u) + (sine * p->v);
   const double pv = (cosine * p->v) - (sine * p->u);
   const double qu = (cosine * q->u) + (sine * q->v);
   const double qv = (cosine * q->v) - (sine * q->u);
-  const double along = 0.5 * (length + (width * turned));
-  const double across = 0.5 * (width + (length * turned));
   const double most = ((fabs(p->u) + fabs(q->u)) + (fabs(p->v) + fabs(q->v))) + ((length + width) + reach);
   const double more = (reach + stretch->slack) + (4e-6 * most); /* sine and cosine are good to 1e-6 */
   tm_frame own = stretch->frame;
-  if (!(fabs(q->turn) <= 0.25)) {
+  if (!(fabs(turn) <= 0.25)) {
     return near;
   }
-  own.u0 = tm_least(pu - along, qu - (0.5 * length));
-  own.u1 = tm_greatest(pu + along, qu + (0.5 * length));
-  own.v0 = tm_least(pv - across, qv - (0.5 * width));
-  own.v1 = tm_greatest(pv + across, qv + (0.5 * width));
+  own.u0 = tm_least(pu, qu) - along;
+  own.u1 = tm_greatest(pu, qu) + along;
+  own.v0 = tm_least(pv, qv) - across;
+  own.v1 = tm_greatest(pv, qv) + across;
   for (size_t k = 0u; (near >> k) != 0u; ++k) {
     if (((near >> k) & 1ul) != 0u) {
       const double ua = (double)stretch->ua[k];

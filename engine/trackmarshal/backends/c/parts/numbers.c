@@ -3,11 +3,6 @@ static bool tm_finite(double x) {
   return fabs(x) <= DBL_MAX;
 }
 
-/** Whether a margin shows that an operand may not be finite (or that finite ones are too far apart). */
-static bool tm_wild(double margin) {
-  return !(fabs(margin) <= DBL_MAX);
-}
-
 /** Whether a flag has no value. */
 static bool tm_missing(tm_flag flag) {
   return (flag != TM_TRUE) && (flag != TM_FALSE);
@@ -128,7 +123,7 @@ static size_t tm_before(size_t index, size_t steps) {
 }
 
 /** A table: linear between knots, clamped outside, NaN for an argument that is not finite. */
-static double tm_lookup(tm_table *table, double x) {
+static inline double tm_lookup(tm_table *table, double x) {
   size_t low = table->last;
   size_t high = table->count - 1u;
   if ((low < high) && ((table->knot[low] < x) || ((low > 0u) && (table->knot[low] == x))) && (x < table->knot[low + 1u])) { /* between the knots of the last time */

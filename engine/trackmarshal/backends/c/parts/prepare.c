@@ -63,9 +63,10 @@ static void tm_put_box(tm_boxes *boxes, size_t place, const tm_box *box) {
 }
 
 /** Boxes around every 8, 64 and 512 segments of a shape, and outlines. Places beyond its end hold a box around nothing. */
-static void tm_index(tm_context *c, const tm_shape *shape) {
+static void tm_index(tm_context *c, tm_shape *shape) {
   const size_t end = shape->first + shape->count;
   const tm_box nothing = tm_no_box();
+  tm_box whole = nothing;
   for (size_t i = shape->first; i < end; i += 512u) {
     tm_box part = nothing;
     for (size_t j = i; j < (i + 512u); j += 64u) {
@@ -83,7 +84,9 @@ static void tm_index(tm_context *c, const tm_shape *shape) {
       tm_hold(&part, &group);
     }
     c->part_box[i / 512u] = part;
+    tm_hold(&whole, &part);
   }
+  shape->around = tm_grown(&whole, 1.0);
   tm_outlines(c, shape);
 }
 

@@ -27,6 +27,8 @@ class Scope:
     binders: dict[ir.Axis, tuple[str, ...]] = field(default_factory=dict)
     #: What was computed in this scope already.
     known: dict[object, Expr] = field(default_factory=dict)
+    #: What is read in this scope alone, and computed in it: it is not always entered.
+    own: frozenset[object] = frozenset()
     #: Names declared here, and in scopes inside, in lower case.
     names: set[str] = field(default_factory=set)
     inside: set[str] = field(default_factory=set)
