@@ -181,11 +181,16 @@ class Stepper:
         self._numbering = Numbering(lasting(source.plan.spec))
         self._ids: list[array[int]] = []
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
-        self._out = ctypes.create_string_buffer(self._said.size)
         count = len(source.rules)
+        #: Bytes of margins and verdicts.
+        self.outcome = 18 * count
+        #: What is said of a step, its margins and its verdicts, side by side.
+        self._out = ctypes.create_string_buffer(self._said.size + self.outcome)
+        begin = self._said.size, self._said.size + 16 * count
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
-        self.margins = np.full((2, count), np.nan)
-        self.verdicts = np.full((2, count), 2, dtype=np.int8)
+        self.margins = np.frombuffer(self._out, np.float64, 2 * count, begin[0]).reshape(2, count)
+        self.verdicts = np.frombuffer(self._out, np.int8, 2 * count, begin[1]).reshape(2, count)
+        self.margins[:], self.verdicts[:] = np.nan, 2
         self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
         fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
         width = sum(map(len, fields)) + len(given.plan.fields)
@@ -270,6 +275,21 @@ class Stepper:
     def width(self) -> int:
         """Bytes of a cycle's words."""
         return self._head.size + self._middle.size + self._tail.size
+
+    @property
+    def said(self) -> int:
+        """The address of what is said of the last step, the words of `binding.SAID`, with margins and verdicts behind it."""
+        return ctypes.addressof(self._out)
+
+    @property
+    def calling(self) -> Calling:
+        """What Python calls the step by."""
+        return self._calling
+
+    @property
+    def stretches(self) -> list[tuple[int, int]]:
+        """Memory that a step reads wherever the car is, as addresses and bytes."""
+        return []
 
     @property
     def judged(self) -> int:
@@ -359,9 +379,14 @@ class Stepper:
             self._columns(columns if arena is None else arena.columns(), own)
             self._in[: self._before] = self._head.pack(*given) + self._middle.pack(*own)
             self._run()
-        said: Said = tuple.__new__(Said, self._said.unpack_from(self._out))
+        said = self.last()
         if said.judged and self._named:
             self._numbering.settle(t)
+        return said
+
+    def last(self) -> Said:
+        """What is said of the last step."""
+        said: Said = tuple.__new__(Said, self._said.unpack_from(self._out))
         return said
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
@@ -371,7 +396,7 @@ class Stepper:
         self._in[:] = self._head.pack(*given).ljust(self.width, b"\0")
         self._rest = None
         self._run()
-        return Said._make(self._said.unpack_from(self._out))
+        return self.last()
 
     @staticmethod
     def lost(said: Said) -> str:
