@@ -141,7 +141,8 @@ class Stepper:
         self.words = words(given)
         knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
         self.sizes = self._sizes(source, limits, knots)
-        path = library(source, self.sizes)
+        #: The library that it is in.
+        self.path = path = library(source, self.sizes)
         #: Which program this is: its name has the hash of its source and of its code.
         self.program = path.name
         self._dll = dll = ctypes.CDLL(str(path))
@@ -188,8 +189,8 @@ class Stepper:
         self._out = ctypes.create_string_buffer(self._said.size + self.outcome)
         begin = self._said.size, self._said.size + 16 * count
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
-        self.margins = np.frombuffer(self._out, np.float64, 2 * count, begin[0]).reshape(2, count)
-        self.verdicts = np.frombuffer(self._out, np.int8, 2 * count, begin[1]).reshape(2, count)
+        self.margins = np.frombuffer(memoryview(self._out), np.float64, 2 * count, begin[0]).reshape(2, count)
+        self.verdicts = np.frombuffer(memoryview(self._out), np.int8, 2 * count, begin[1]).reshape(2, count)
         self.margins[:], self.verdicts[:] = np.nan, 2
         self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
         fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
@@ -285,11 +286,6 @@ class Stepper:
     def calling(self) -> Calling:
         """What Python calls the step by."""
         return self._calling
-
-    @property
-    def stretches(self) -> list[tuple[int, int]]:
-        """Memory that a step reads wherever the car is, as addresses and bytes."""
-        return []
 
     @property
     def judged(self) -> int:

@@ -202,7 +202,9 @@ class CSupervisor:
         """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 where steps are taken
         elsewhere, or memory is too large to be copied in one."""
         of = self._of  # first: it says whether what is copied is small enough
-        return Saving("c", of, pieces(self._quick.steps, self._quick.last, self._quick.stored, self._here.save()))
+        return Saving(
+            "c", of, pieces(self._quick.steps, self._quick.last, self._quick.stored, self._here.save())
+        )
 
     def restore(self, lines: Sequence[str], shown: str = "") -> None:
         """Go on from where another Supervisor of the same program was. Raises TrackmarshalError D163 for what is damaged, D164 for what is of
@@ -242,8 +244,7 @@ class CSupervisor:
         stepper, reader = self.stepper, self._reader.at_once
         if isinstance(stepper, Stepper) and stepper.takes_arenas and isinstance(reader, Gathered):
             with suppress(TrackmarshalError, OSError):
-                return Quick(reader.address, stepper.calling.user, stepper.said, stepper.outcome, _Said, self._explaining, self._advisory,
-                             stepper.stretches)  # fmt: skip
+                return Quick(reader, stepper, _Said, self._explaining, self._advisory)
         return Slowly()
 
     def _expect(self, frame: Frame | None) -> None:

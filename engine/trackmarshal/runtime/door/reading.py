@@ -201,9 +201,7 @@ class CycleReader:
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
         #: What reads most cycles.
-        self.at_once = at_once(
-            [reader for _, reader in self.candidates] + list(self.shared.columns.values())
-        )
+        self.at_once = at_once([reader for _, reader in self.candidates] + list(self.shared.columns.values()))
         #: Signals that a cycle may bring; the candidates come by themselves.
         self._known = contract.known - {PLAN, FOLLOWED}
         #: Whether a signal has the name of a candidate.

@@ -62,9 +62,11 @@ enum { FASTCALL = 0x0080, LINE = 64 };
 
 #if defined(__GNUC__)
 #define FETCH(address) __builtin_prefetch(address)
+#define KEPT __asm__ volatile("") /* a function that only fetches does nothing, as compilers see it */
 #define INTERNAL __attribute__((visibility("hidden")))
 #else
 #define FETCH(address) ((void)(address))
+#define KEPT
 #define INTERNAL
 #endif
 

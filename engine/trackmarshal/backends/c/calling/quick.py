@@ -5,10 +5,12 @@ from __future__ import annotations
 import ctypes
 import math
 import sys
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.backends.c.calling import shell
+from trackmarshal.backends.c.calling.ahead import libraries, objects
 from trackmarshal.backends.c.calling.objects import place_of_bytes, place_of_items, place_of_number, places
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
@@ -16,6 +18,10 @@ from trackmarshal.runtime.frame import Arena, Frame, Unread
 from trackmarshal.runtime.machine import DRIVE
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged
+
+if TYPE_CHECKING:
+    from trackmarshal.backends.c.gather import Gathered
+    from trackmarshal.backends.c.step import Stepper
 
 #: Attributes of what is read and made, as `places` in quick.c has them.
 _CYCLE = "number", "t", "driving", "emergency", "signals"
@@ -91,17 +97,15 @@ class Slowly:
 class Quick(Slowly):
     """Takes steps in one call.
 
-    reading, calling: addresses of a `reading` and a `calling`; said: that of what is said of a step, with so many bytes of `outcome` behind it;
-    kind: what is made of these bytes; stretches: memory that a step reads, as addresses and bytes. Raises OSError where objects look otherwise
-    here, TrackmarshalError E471 or E472 without a compiler.
+    reader: what reads cycles; stepper: what takes the steps; kind: what is made of margins and verdicts. Raises OSError where objects look
+    otherwise here, TrackmarshalError E471 or E472 without a compiler.
     """
 
     step: Callable[[Cycle | None], Decision | None]  # type: ignore[assignment]  # a built-in function
 
     def __init__(
-        self, reading: int, calling: int, said: int, outcome: int, kind: type, explaining: object, advisory: frozenset[int],
-        stretches: Iterable[tuple[int, int]],
-    ) -> None:  # fmt: skip
+        self, reader: Gathered, stepper: Stepper, kind: type, explaining: object, advisory: frozenset[int]
+    ) -> None:
         constants: tuple[Any, ...] = (
             Cycle, int, float, Decision, Plan, Unread, Arena, Judged, kind, DRIVING, EMERGENCY, DRIVE, "", (), math.nan, explaining, advisory,
         )  # fmt: skip
@@ -109,7 +113,12 @@ class Quick(Slowly):
             *places(Cycle, *_CYCLE), *places(Plan, *_PLAN), *places(Unread, *_FRAME), *places(kind, *_SAID), place_of_items(),
             place_of_number(), place_of_bytes(),
         ]  # fmt: skip
-        fetched = [_Stretch(begin, size) for begin, size in stretches]
+        library = shell()
+        paths = Path(library._name), stepper.path
+        fetched = [
+            _Stretch(*one)
+            for one in (*objects(*reader.looked_for, *constants, True, False), *libraries(*paths))
+        ]
         self._stored: list[Plan | None] = [None]
         self._left: list[Any] = [None] * len(Left._fields)
         self._armed: tuple[Any, ...] | None = None
@@ -119,12 +128,12 @@ class Quick(Slowly):
         ]  # fmt: skip
         is_, at, ahead = map(ctypes.addressof, own)
         self._own = _Quick(
-            reading, calling, is_, at, said, outcome, ahead, len(fetched), None, 0, 0, -math.inf, id(self._stored), id(self._left),
-            not advisory, 0,
+            reader.address, stepper.calling.user, is_, at, stepper.said, stepper.outcome, ahead, len(fetched), None, 0, 0, -math.inf,
+            id(self._stored), id(self._left), not advisory, 0,
         )  # fmt: skip
         #: All that C has the addresses of.
         self._kept = (constants, own)
-        self.step = shell().made_quick(ctypes.addressof(self._own))
+        self.step = library.made_quick(ctypes.addressof(self._own))
 
     def left(self) -> Left:
         left = Left(*self._left)
@@ -139,7 +148,7 @@ class Quick(Slowly):
     def disarm(self) -> None:
         self._own.armed = self._armed = None
 
-    @property  # type: ignore[override]
+    @property
     def steps(self) -> int:
         return int(self._own.steps)
 
@@ -147,7 +156,7 @@ class Quick(Slowly):
     def steps(self, given: int) -> None:
         self._own.steps = given
 
-    @property  # type: ignore[override]
+    @property
     def last(self) -> float:
         return float(self._own.last)
 
@@ -155,7 +164,7 @@ class Quick(Slowly):
     def last(self, given: float) -> None:
         self._own.last = given
 
-    @property  # type: ignore[override]
+    @property
     def stored(self) -> Plan | None:
         return self._stored[0]
 
@@ -163,7 +172,7 @@ class Quick(Slowly):
     def stored(self, given: Plan | None) -> None:
         self._stored[0] = given
 
-    @property  # type: ignore[override]
+    @property
     def recorded(self) -> bool:
         return bool(self._own.recorded)
 

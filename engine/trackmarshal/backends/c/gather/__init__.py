@@ -81,6 +81,8 @@ class Gathered(AtOnce):
         reading = _Reading(signals, len(wanted), by_name, len(fields), by_field, defaults, optional, by_type)
         #: All that C has the addresses of.
         self._kept = (called, names, types, arrays, reading)
+        #: Names that are looked for, in the order in which they are.
+        self.looked_for = (*called, *names)
         #: Where C finds it.
         self.address = ctypes.addressof(reading)
         self._run: Callable[..., bytes | None] = shell().made_gather(self.address)
