@@ -185,12 +185,13 @@ class Stepper:
         count = len(source.rules)
         #: Bytes of margins and verdicts.
         self.outcome = 18 * count
-        #: What is said of a step, its margins and its verdicts, side by side.
-        self._out = ctypes.create_string_buffer(self._said.size + self.outcome)
+        # What is said of a step, its margins and its verdicts, side by side.
+        together = ctypes.create_string_buffer(self._said.size + self.outcome)
+        self._out = (ctypes.c_char * self._said.size).from_buffer(together)
         begin = self._said.size, self._said.size + 16 * count
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
-        self.margins = np.frombuffer(memoryview(self._out), np.float64, 2 * count, begin[0]).reshape(2, count)
-        self.verdicts = np.frombuffer(memoryview(self._out), np.int8, 2 * count, begin[1]).reshape(2, count)
+        self.margins = np.frombuffer(memoryview(together), np.float64, 2 * count, begin[0]).reshape(2, count)
+        self.verdicts = np.frombuffer(memoryview(together), np.int8, 2 * count, begin[1]).reshape(2, count)
         self.margins[:], self.verdicts[:] = np.nan, 2
         self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
         fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
@@ -278,7 +279,7 @@ class Stepper:
         return self._head.size + self._middle.size + self._tail.size
 
     @property
-    def said(self) -> int:
+    def answer(self) -> int:
         """The address of what is said of the last step, the words of `binding.SAID`, with margins and verdicts behind it."""
         return ctypes.addressof(self._out)
 

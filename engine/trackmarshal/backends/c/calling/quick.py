@@ -128,7 +128,7 @@ class Quick(Slowly):
         ]  # fmt: skip
         is_, at, ahead = map(ctypes.addressof, own)
         self._own = _Quick(
-            reader.address, stepper.calling.user, is_, at, stepper.said, stepper.outcome, ahead, len(fetched), None, 0, 0, -math.inf,
+            reader.address, stepper.calling.user, is_, at, stepper.answer, stepper.outcome, ahead, len(fetched), None, 0, 0, -math.inf,
             id(self._stored), id(self._left), not advisory, 0,
         )  # fmt: skip
         #: All that C has the addresses of.
