@@ -18,8 +18,10 @@ def objects(*all_: object) -> Iterator[tuple[int, int]]:
 def libraries(*paths: Path) -> Iterator[tuple[int, int]]:
     """Address and bytes of the code of loaded libraries; of none where the system does not tell. (Of their constants, a step reads too few.)"""
     maps = Path("/proc/self/maps")
-    for line in maps.read_text(encoding="utf-8").splitlines() if maps.exists() else ():
-        reach, kinds, *_, place = line.split(maxsplit=5)
-        if "x" in kinds and place in map(str, paths):
-            begin, end = (int(one, 16) for one in reach.split("-"))
-            yield begin, end - begin
+    lines = maps.read_text(encoding="utf-8").splitlines() if maps.exists() else []
+    found = [(line.split(maxsplit=5)[-1], line.split()) for line in lines]
+    for path in map(str, paths):
+        for place, (reach, kinds, *_) in found:
+            if place == path and "x" in kinds:
+                begin, end = (int(one, 16) for one in reach.split("-"))
+                yield begin, end - begin

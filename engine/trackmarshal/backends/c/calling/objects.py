@@ -45,7 +45,8 @@ def memory(one: object, more: int = 0) -> bytes:
 
 def places(cls: type, *names: str) -> list[int]:
     """Where the attributes of these slots stand in the memory of a class's objects; raises OSError where they do not."""
-    probe, marks = object.__new__(cls), [object() for _ in names]
+    probe: Any = object.__new__(cls)
+    marks = [object() for _ in names]
     for name, mark in zip(names, marks):
         object.__setattr__(probe, name, mark)
     return [_place(probe, mark) for mark in marks]

@@ -69,6 +69,9 @@ class Left(NamedTuple):
     t: Any
 
 
+NOTHING = Left(None, None, None, None)
+
+
 class Slowly:
     """What a Supervisor remembers from step to step: how many there were, the clock's last reading, the stored trajectory. Every step is for
     Python."""
@@ -85,7 +88,7 @@ class Slowly:
 
     def left(self) -> Left:
         """What Python goes on with."""
-        return Left(None, None, None, None)
+        return NOTHING
 
     def arm(self, arena: Arena, frame: Frame, known: tuple[Any, ...], remembered: tuple[Any, ...]) -> None:
         """Cycles may come that are like this one, of which ids and other signals are those."""
@@ -120,7 +123,7 @@ class Quick(Slowly):
             for one in (*objects(*reader.looked_for, *constants, True, False), *libraries(*paths))
         ]
         self._stored: list[Plan | None] = [None]
-        self._left: list[Any] = [None] * len(Left._fields)
+        self._left: list[Any] = [*NOTHING]
         self._armed: tuple[Any, ...] | None = None
         own: list[Any] = [
             (ctypes.c_void_p * len(constants))(*map(id, constants)), (ctypes.c_int64 * len(standing))(*standing),
@@ -136,8 +139,10 @@ class Quick(Slowly):
         self.step = library.made_quick(ctypes.addressof(self._own))
 
     def left(self) -> Left:
+        if self._left[0] is None:
+            return NOTHING
         left = Left(*self._left)
-        self._left[:] = [None] * len(left)
+        self._left[:] = NOTHING
         return left
 
     def arm(self, arena: Arena, frame: Frame, known: tuple[Any, ...], remembered: tuple[Any, ...]) -> None:
@@ -146,7 +151,8 @@ class Quick(Slowly):
         self._armed = own
 
     def disarm(self) -> None:
-        self._own.armed = self._armed = None
+        if self._armed is not None:
+            self._own.armed = self._armed = None
 
     @property
     def steps(self) -> int:
