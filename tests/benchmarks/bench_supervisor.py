@@ -11,6 +11,8 @@ import os
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -34,10 +36,14 @@ PERIOD, RADIUS = 0.1, 600.0
 STEP = "Supervisor: step with C"
 #: Samples of a trajectory: what a planner on a grid of 2.5 m sends at most over 10 s.
 FEW, MANY = 50, 115
+#: A planner has had all caches since the last step, and has written the candidates last: docs/supervisor.md.
+PLANNED = f"{STEP}, caches emptied, then the cycle made"
+EMPTIED = f"{STEP}, caches emptied, the cycle too"
 LIMITS = {
     STEP: 40e-6,
     f"{STEP}, {MANY} points": 60e-6,
-    f"{STEP}, caches emptied, to the same hot (ratio)": 2.5,
+    f"{PLANNED}, to hot (ratio)": 2.5,
+    f"{EMPTIED}, to hot (ratio)": 2.5,
     "Supervisor: what the record adds to a step": 50e-6,
 }
 
@@ -87,7 +93,8 @@ def _with_c(spec: Spec) -> dict[str, float]:
             plain.append(one.run(200)[0])
             kept.append(other.run(200)[0])
         recorded = float(np.median(kept) - np.median(plain))
-    cold = emptied(lambda: float(frozen.run(1)[0][0]))
+    planned = emptied(lambda: frozen.timed(anew(frozen.following())))
+    cold = emptied(lambda: frozen.timed(frozen.following()))
     return {
         STEP: float(middle),
         f"{STEP}, {MANY} points": float(np.median(Driven(spec, frozen=True, points=MANY).run(4000)[0])),
@@ -96,8 +103,10 @@ def _with_c(spec: Spec) -> dict[str, float]:
         ),
         f"{STEP}, slowest thousandth of {count}, to its median (ratio)": float(late / middle),
         f"{STEP}, growth over {count} steps, memory": float(grown),
-        f"{STEP}, caches emptied": cold,
-        f"{STEP}, caches emptied, to the same hot (ratio)": cold / float(middle),
+        PLANNED: planned,
+        f"{PLANNED}, to hot (ratio)": planned / float(middle),
+        EMPTIED: cold,
+        f"{EMPTIED}, to hot (ratio)": cold / float(middle),
         "Supervisor: what the record adds to a step": recorded,
     }
 
@@ -108,8 +117,10 @@ class Driven:
     def __init__(self, spec: Spec, frozen: bool, record: Path | None = None, points: int = FEW) -> None:
         from trackmarshal.supervision import supervisor
 
-        self._now = 0.0
-        self._supervisor = supervisor(spec, backend="c", clock=lambda: self._now, record=record)
+        self._now = [0.0]
+        # A built-in function, as time.monotonic is.
+        clock = partial(getitem, self._now, 0)
+        self._supervisor = supervisor(spec, backend="c", clock=clock, record=record)
         self._given = cycles(frozen, points)
         self.run(2000)
 
@@ -118,13 +129,34 @@ class Driven:
         spent = np.ones(steps)  # in memory before the first step
         before = memory()
         for number in range(steps):
-            cycle = next(self._given)
-            self._now = cycle.t
-            begin = time.process_time_ns()
-            decision = self._supervisor.step(cycle)
-            spent[number] = (time.process_time_ns() - begin) / 1e9
-            assert decision.safe, decision.reasons
+            spent[number] = self.timed(self.following())
         return spent, memory() - before
+
+    def following(self) -> Cycle:
+        """The next cycle."""
+        return next(self._given)
+
+    def timed(self, cycle: Cycle) -> float:
+        """CPU seconds of the step of a cycle."""
+        self._now[0] = cycle.t
+        time.process_time_ns()  # what times the step is in the caches before it
+        begin = time.process_time_ns()
+        decision = self._supervisor.step(cycle)
+        spent = (time.process_time_ns() - begin) / 1e9
+        assert decision.safe, decision.reasons
+        return spent
+
+
+def anew(cycle: Cycle) -> Cycle:
+    """The same with dicts and arrays that are just made, but for the borders: as it comes from a planner and a tracker."""
+
+    def copied(given: Any) -> Any:
+        if isinstance(given, np.ndarray):
+            return given.copy()
+        return {name: copied(one) for name, one in given.items()} if isinstance(given, dict) else given
+
+    signals = {name: one if name == "track" else copied(one) for name, one in cycle.signals.items()}
+    return Cycle(cycle.number, cycle.t, copied(cycle.driving), copied(cycle.emergency), signals)
 
 
 class _Safe:

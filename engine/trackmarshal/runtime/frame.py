@@ -273,16 +273,9 @@ class Frame:
         settings: Settings, arena: Arena, lines: dict[tuple[str, str], Line], closed: dict[str, bool], events: dict[str, int],
     ) -> Frame:  # fmt: skip
         """A cycle in an arena, whose columns are made when somebody asks for them: in most cycles, nobody does."""
-        made = _Unread.__new__(_Unread)
-        made.id = made.t = made.number = None
-        made.settings, made.arena, made.lines, made.closed, made.events = (
-            settings,
-            arena,
-            lines,
-            closed,
-            events,
-        )
-        made.faults, made.orders, made.straight, made.lanes = [], NO_ORDERS, NO_ORDERS, {}
+        made = Unread.__new__(Unread)
+        made.settings, made.arena = settings, arena
+        made.lines, made.closed, made.events = lines, closed, events
         return made
 
     def of(self, candidate: str) -> Frame:
@@ -349,15 +342,25 @@ class Frame:
         return None
 
 
-class _Unread(Frame):
-    """A frame that has no `columns` and `candidates` yet."""
+class Unread(Frame):
+    """A frame of an arena that has nothing yet but that, its settings, lines, closed and events; Supervisors in C make them, too."""
 
     __slots__ = ()
 
     def __getattr__(self, name: str) -> Any:
-        if name not in ("columns", "candidates") or self.arena is None:
+        if name in ("columns", "candidates"):
+            driving, emergency, *others = self.arena.columns()  # type: ignore[union-attr]
+            self.candidates = {DRIVING: driving, EMERGENCY: emergency}
+            self.columns = dict(zip(self.arena.shape.called, others))  # type: ignore[union-attr]
+        elif name in _NOT_YET:
+            setattr(self, name, _NOT_YET[name]())
+        else:
             raise AttributeError(name)
-        driving, emergency, *others = self.arena.columns()
-        self.candidates = {DRIVING: driving, EMERGENCY: emergency}
-        self.columns = dict(zip(self.arena.shape.called, others))
         return getattr(self, name)
+
+
+#: What a frame of an arena has besides that.
+_NOT_YET: dict[str, Callable[[], Any]] = {
+    "id": lambda: None, "t": lambda: None, "number": lambda: None, "faults": list, "lanes": dict,
+    "orders": lambda: NO_ORDERS, "straight": lambda: NO_ORDERS,
+}  # fmt: skip

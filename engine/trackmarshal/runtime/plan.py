@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.runtime.contract.conditions import remainder
@@ -28,12 +27,25 @@ class Plan:
     number, t: the cycle's; times of samples count from the stamp t. columns: the fields, in SI; of a frame, when somebody asks for them.
     """
 
-    def __init__(self, candidate: str, number: int, t: float, columns: Columns | Frame) -> None:
-        self.candidate, self.number, self.t, self._of = candidate, number, t, columns
+    __slots__ = ("candidate", "columns", "due", "number", "of", "t")
 
-    @cached_property
-    def columns(self) -> Columns:
-        return self._of if isinstance(self._of, Columns) else self._of.candidates[self.candidate]
+    columns: Columns
+    #: When each sample is due on the Supervisor's clock, in s.
+    due: list[float]
+
+    def __init__(self, candidate: str, number: int, t: float, columns: Columns | Frame) -> None:
+        self.candidate, self.number, self.t, self.of = candidate, number, t, columns
+
+    def __getattr__(self, name: str) -> Any:
+        """Of most plans, nobody asks for these; and Supervisors in C make plans."""
+        if name == "columns":
+            of = self.of
+            self.columns = of if isinstance(of, Columns) else of.candidates[self.candidate]
+            return self.columns
+        if name == "due":
+            self.due = [t + self.t for t in self.columns.listed("t")]
+            return self.due
+        raise AttributeError(name)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -44,11 +56,6 @@ class Plan:
     def matrix(self) -> Floats:
         """(fields, samples)."""
         return self.columns.values
-
-    @cached_property
-    def due(self) -> list[float]:
-        """When each sample is due on the Supervisor's clock, in s."""
-        return [t + self.t for t in self.columns.listed("t")]
 
     @property
     def end(self) -> float:

@@ -53,9 +53,11 @@ def library(source: Source, capacities: Mapping[str, int]) -> Path:
     return _library(files, "glue.c", [*EXACT, *FAST, *SHARED, *macros])
 
 
-def small_library(path: Path) -> Path:
-    """The shared library of a file of ours that depends on no spec; raises TrackmarshalError E471 or E472."""
-    return _library({path.name: path.read_text(encoding="utf-8")}, path.name, ["-std=c99", "-O2", *SHARED])
+def small_library(*paths: Path) -> Path:
+    """The shared library of files of ours that depend on no spec, headers among them; raises TrackmarshalError E471 or E472."""
+    files = {path.name: path.read_text(encoding="utf-8") for path in paths}
+    units = [name for name in files if name.endswith(".c")]
+    return _built(files, units, ["-std=c99", "-O2", *SHARED], "so")
 
 
 def program(

@@ -141,7 +141,8 @@ class Stepper:
         self.words = words(given)
         knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
         self.sizes = self._sizes(source, limits, knots)
-        path = library(source, self.sizes)
+        #: The library that it is in.
+        self.path = path = library(source, self.sizes)
         #: Which program this is: its name has the hash of its source and of its code.
         self.program = path.name
         self._dll = dll = ctypes.CDLL(str(path))
@@ -181,11 +182,17 @@ class Stepper:
         self._numbering = Numbering(lasting(source.plan.spec))
         self._ids: list[array[int]] = []
         self._said = struct.Struct("=" + "".join(kind for _, kind in SAID))
-        self._out = ctypes.create_string_buffer(self._said.size)
         count = len(source.rules)
+        #: Bytes of margins and verdicts.
+        self.outcome = 18 * count
+        # What is said of a step, its margins and its verdicts, side by side.
+        together = ctypes.create_string_buffer(self._said.size + self.outcome)
+        self._out = (ctypes.c_char * self._said.size).from_buffer(together)
+        begin = self._said.size, self._said.size + 16 * count
         #: (2, rules) margins and verdict codes (places in runtime.verdict.VERDICTS) of the last step; driving first.
-        self.margins = np.full((2, count), np.nan)
-        self.verdicts = np.full((2, count), 2, dtype=np.int8)
+        self.margins = np.frombuffer(memoryview(together), np.float64, 2 * count, begin[0]).reshape(2, count)
+        self.verdicts = np.frombuffer(memoryview(together), np.int8, 2 * count, begin[1]).reshape(2, count)
+        self.margins[:], self.verdicts[:] = np.nan, 2
         self._most = max(self.sizes.get(name, 1) for name in ("TM_MAX_SAMPLES", "TM_MAX_ELEMENTS"))
         fields = [item.fields for item in source.plan.inputs.values() if item.kind != "event"]
         width = sum(map(len, fields)) + len(given.plan.fields)
@@ -270,6 +277,16 @@ class Stepper:
     def width(self) -> int:
         """Bytes of a cycle's words."""
         return self._head.size + self._middle.size + self._tail.size
+
+    @property
+    def answer(self) -> int:
+        """The address of what is said of the last step, the words of `binding.SAID`, with margins and verdicts behind it."""
+        return ctypes.addressof(self._out)
+
+    @property
+    def calling(self) -> Calling:
+        """What Python calls the step by."""
+        return self._calling
 
     @property
     def judged(self) -> int:
@@ -359,9 +376,14 @@ class Stepper:
             self._columns(columns if arena is None else arena.columns(), own)
             self._in[: self._before] = self._head.pack(*given) + self._middle.pack(*own)
             self._run()
-        said: Said = tuple.__new__(Said, self._said.unpack_from(self._out))
+        said = self.last()
         if said.judged and self._named:
             self._numbering.settle(t)
+        return said
+
+    def last(self) -> Said:
+        """What is said of the last step."""
+        said: Said = tuple.__new__(Said, self._said.unpack_from(self._out))
         return said
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said:
@@ -371,7 +393,7 @@ class Stepper:
         self._in[:] = self._head.pack(*given).ljust(self.width, b"\0")
         self._rest = None
         self._run()
-        return Said._make(self._said.unpack_from(self._out))
+        return self.last()
 
     @staticmethod
     def lost(said: Said) -> str:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
-from trackmarshal.backends.c.gather import fastest
+from trackmarshal.backends.c.calling.quick import Quick, Slowly
+from trackmarshal.backends.c.gather import Gathered, fastest
 from trackmarshal.backends.c.over_run.explaining import Explaining
 from trackmarshal.backends.c.saving import loaded, pieces, words
 from trackmarshal.backends.c.source import Source, generate
@@ -40,24 +42,27 @@ _NOTHING, _THIS, _STORED = range(3)
 class _Said(Copied):
     """What C said of both candidates, taken apart when somebody asks: of most cycles, nobody does."""
 
-    __slots__ = ("_advisory", "_both", "_explain", "_frame")
+    __slots__ = ("advisory", "both", "copied", "explaining", "frame")
 
-    def __init__(
-        self,
-        explain: Callable[..., RuleResult],
-        advisory: frozenset[int],
-        frame: Frame,
-        verdicts: bytes,
-        margins: bytes,
-    ) -> None:
-        super().__init__(verdicts, margins)
-        self._explain, self._advisory, self._frame = explain, advisory, frame
-        self._both: dict[str, Rated] | None = None
+    both: dict[str, Rated]
+
+    def __init__(self, explaining: Explaining, advisory: frozenset[int], frame: Frame, copied: bytes) -> None:
+        """copied: margins and verdicts of both as they stand in memory."""
+        self.explaining, self.advisory, self.frame, self.copied = explaining, advisory, frame, copied
+
+    def __getattr__(self, name: str) -> Any:
+        """What is made when somebody asks for it (quick.c makes no more than __init__)."""
+        if name == "both":
+            self.both = {one: self._rated(place, one) for place, one in enumerate((DRIVING, EMERGENCY))}
+        elif name in ("margins", "verdicts"):
+            margins = len(self.copied) // 18 * 16
+            self.margins, self.verdicts = self.copied[:margins], self.copied[margins:]
+        else:
+            raise AttributeError(name)
+        return getattr(self, name)
 
     def __getitem__(self, name: str) -> Rated:
-        if self._both is None:
-            self._both = {one: self._rated(place, one) for place, one in enumerate((DRIVING, EMERGENCY))}
-        return self._both[name]
+        return self.both[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter((DRIVING, EMERGENCY))
@@ -69,8 +74,14 @@ class _Said(Copied):
         count = len(self.verdicts) // 2
         verdicts = self.verdicts[place * count : (place + 1) * count]
         margins = np.frombuffer(self.margins, dtype=np.float64)[place * count : (place + 1) * count]
-        explain = partial(self._explain, self._frame, candidate, verdicts, margins)
-        return Rated(verdicts, margins, explain, self._advisory)
+        explain = partial(_explain, self.explaining, self.frame, candidate, verdicts, margins)
+        return Rated(verdicts, margins, explain, self.advisory)
+
+
+def _explain(
+    explaining: Explaining, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
+) -> RuleResult:  # fmt: skip
+    return explaining.of(frame.of(candidate), verdicts, margins)(number, series)
 
 
 class CSupervisor(OfOneRun):
@@ -99,8 +110,7 @@ class CSupervisor(OfOneRun):
             if stepping is None
             else stepping(source)
         )
-        #: Keeps the run, where there is one.
-        self.recorder: Recorder | None = None
+        self._recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._settings = settings
@@ -119,39 +129,71 @@ class CSupervisor(OfOneRun):
         self._named = named_rules(self.rules)
         self._advisory = advisory(self.rules)
         self._clock = clock
-        self._steps = 0
-        self._stored: Plan | None = None
         self._explaining = Explaining(spec, self.rules)
+        #: What takes most steps; None where that cannot be had.
+        self._quick = self._quickest()
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        try:
-            now = float(self._clock())
-        except Exception:
-            now = math.nan
-        self._steps += 1
-        frame: Frame | None = None
+        decision = self._quick.step(cycle)
+        return self._at_length(cycle) if decision is None else decision
+
+    @property
+    def recorder(self) -> Recorder | None:
+        """Keeps the run, where there is one."""
+        return self._recorder
+
+    @recorder.setter
+    def recorder(self, given: Recorder | None) -> None:
+        self._recorder = given
+        self._quick.recorded = given is not None
+
+    def _at_length(self, cycle: Cycle | None) -> Decision:
+        """A step that is not taken, or not all of it."""
+        left = self._quick.left()
+        if isinstance(left.made, Decision):
+            assert left.made.judged is not None
+            return self._kept(cycle, left.made.judged.about, left.made, left.made.now)
+        now = self._read() if left.now is None else left.now
+        frame: Frame | None = left.made
         stamp = Stamp(None, None, ())
         found: list[Fault] = []
-        try:
-            if isinstance(cycle, Cycle):
-                stamp = stamp_of(cycle)
-                frame, structure = self._reader.read(cycle)
-                found = [*stamp.faults, *structure]
-            elif cycle is not None:
-                found.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
-            said = self._call(frame, stamp, now, found)
-        except Exception as error:  # what was handed in has a say in how it is read
-            frame, found = None, [internal(error)]
-            said = self._call(None, stamp, now, found)
+        self._words.last = self._quick.last
+        if frame is not None:
+            stamp, said = Stamp(left.number, left.t, ()), self._here.last()
+        else:
+            self._quick.steps += 1
+            try:
+                if isinstance(cycle, Cycle):
+                    stamp = stamp_of(cycle)
+                    frame, structure = self._reader.read(cycle)
+                    found = [*stamp.faults, *structure]
+                elif cycle is not None:
+                    found.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
+                said = self._call(frame, stamp, now, found)
+            except Exception as error:  # what was handed in has a say in how it is read
+                frame, found = None, [internal(error)]
+                said = self._call(None, stamp, now, found)
+            self._expect(frame)
         try:
             decision = self._decision(said, frame, stamp, now, found)
         except Exception as error:
             decision = self._nothing(said, stamp, internal(error))
         self._words.read(said)
-        if self.recorder is not None:
+        self._quick.last = self._words.last
+        return self._kept(cycle, frame, decision, now)
+
+    def _read(self) -> float:
+        try:
+            return float(self._clock())
+        except Exception:
+            return math.nan
+
+    def _kept(self, cycle: Cycle | None, frame: Frame | None, decision: Decision, now: float) -> Decision:
+        """The decision, in the record where there is one."""
+        if self._recorder is not None:
             try:
-                self.recorder.append(cycle, frame, decision, (now, decision.finished))
+                self._recorder.append(cycle, frame, decision, (now, decision.finished))
             except Exception as error:
                 self.record_error = f"{type(error).__name__}: {error}"
         return decision
@@ -160,7 +202,9 @@ class CSupervisor(OfOneRun):
         """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 where steps are taken
         elsewhere, or memory is too large to be copied in one."""
         of = self._of  # first: it says whether what is copied is small enough
-        return Saving("c", of, pieces(self._steps, self._words.last, self._stored, self._here.save()))
+        return Saving(
+            "c", of, pieces(self._quick.steps, self._quick.last, self._quick.stored, self._here.save())
+        )
 
     def restore(self, lines: Sequence[str], shown: str = "") -> None:
         """Go on from where another Supervisor of the same program was. Raises TrackmarshalError D163 for what is damaged, D164 for what is of
@@ -169,10 +213,11 @@ class CSupervisor(OfOneRun):
         try:
             steps, last, stored, data, numbers, following = loaded(given)
             given.end()
+            self._quick.disarm()
             self._here.load(data, numbers, following)
         except NOT_SAVED as error:
             raise damaged(str(error), shown) from error
-        self._steps, self._stored, self._words.last = steps, stored, last
+        self._quick.steps, self._quick.stored, self._quick.last = steps, stored, last
 
     @property
     def _here(self) -> Stepper:
@@ -191,8 +236,25 @@ class CSupervisor(OfOneRun):
 
     def close(self) -> None:
         """End the record, where there is one."""
-        if self.recorder is not None:
-            self.recorder.close()
+        if self._recorder is not None:
+            self._recorder.close()
+
+    def _quickest(self) -> Slowly:
+        """What takes most steps in one call, where that can be had: of a Supervisor whose steps are taken here, and cycles are read by C."""
+        stepper, reader = self.stepper, self._reader.at_once
+        if isinstance(stepper, Stepper) and stepper.takes_arenas and isinstance(reader, Gathered):
+            with suppress(TrackmarshalError, OSError):
+                return Quick(reader, stepper, _Said, self._explaining, self._advisory)
+        return Slowly()
+
+    def _expect(self, frame: Frame | None) -> None:
+        """After a cycle of which Python saw all: that the next one is like it, where that is known."""
+        arena, reader = None if frame is None else frame.arena, self._reader.at_once
+        if frame is None or arena is None or not arena.shape.whole or reader.remembered is None:
+            self._quick.disarm()
+        else:
+            assert isinstance(reader, Gathered)
+            self._quick.arm(arena, frame, reader.known, reader.remembered)
 
     # Parts ------------------------------------------------------------------------------------------------------
 
@@ -232,23 +294,23 @@ class CSupervisor(OfOneRun):
         if faults and frame is not None:
             frame.faults = [f for f in faults if f.signal not in ("clock", "supervisor")]
         if said.safe and frame is not None and stamp.number is not None:
-            self._stored = Plan(EMERGENCY, stamp.number, t, frame)
+            self._quick.stored = Plan(EMERGENCY, stamp.number, t, frame)
             driven = Plan(DRIVING, stamp.number, t, frame)
         elif not said.stored:
-            self._stored = None
+            self._quick.stored = None
         elif said.driven == _STORED:
-            driven = self._stored
+            driven = self._quick.stored
         driven_too = (driven is not None) == (said.driven != _NOTHING)
-        if said.serial != self._steps or not driven_too or not self._agrees(said):
+        if said.serial != self._quick.steps or not driven_too or not self._agrees(said):
             return self._nothing(said, stamp, *faults, incomplete("step"))
         return Decision(
-            stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._stored, said.valid_until,
+            stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._quick.stored, said.valid_until,
             self.stepper.lost(said), faults, violations, bool(said.more), judged, advisories(self._named, judged) if self._advisory else (),
         )  # fmt: skip
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
         """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
-        self._stored, self._steps = None, said.serial
+        self._quick.stored, self._quick.steps = None, said.serial
         t = math.nan if stamp.t is None else stamp.t
         return Decision(
             stamp.number, t, said.now, said.finished, NO_SAFE_TRAJECTORY, False, None, None, said.valid_until, "none_stored", faults, (),
@@ -257,22 +319,15 @@ class CSupervisor(OfOneRun):
 
     def _agrees(self, said: Said) -> bool:
         """Whether the trajectory that C has stored is the one that is known here."""
-        stored = self._stored
+        stored = self._quick.stored
         if stored is None:
             return not said.stored
         return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
 
     def _judged(self, frame: Frame) -> Judged:
         stepper = self.stepper
-        said = _Said(
-            self._explain, self._advisory, frame, stepper.verdicts.tobytes(), stepper.margins.tobytes()
-        )
-        return Judged(frame, said)
-
-    def _explain(
-        self, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
-    ) -> RuleResult:
-        return self._explaining.of(frame.of(candidate), verdicts, margins)(number, series)
+        copied = stepper.margins.tobytes() + stepper.verdicts.tobytes()
+        return Judged(frame, _Said(self._explaining, self._advisory, frame, copied))
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

@@ -200,9 +200,8 @@ class CycleReader:
         self.settings = settings
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
-        self._at_once = at_once(
-            [reader for _, reader in self.candidates] + list(self.shared.columns.values())
-        )
+        #: What reads most cycles.
+        self.at_once = at_once([reader for _, reader in self.candidates] + list(self.shared.columns.values()))
         #: Signals that a cycle may bring; the candidates come by themselves.
         self._known = contract.known - {PLAN, FOLLOWED}
         #: Whether a signal has the name of a candidate.
@@ -216,18 +215,18 @@ class CycleReader:
         faults: list[Fault] = []
         signals, others = cycle.signals, self._others
         if type(signals) is dict:
-            arena = self._at_once.read(cycle.driving, cycle.emergency, signals)
+            arena = self.at_once.read(cycle.driving, cycle.emergency, signals)
             if arena is not None and (arena.shape.whole or signals.keys() <= self._known):
                 if arena.shape.unchanged:
                     return Frame.unread(self.settings, arena, *others), faults
                 frame = Frame.unread(self.settings, arena, {}, {}, {})
                 self.shared.read_others(signals, frame, faults)
-                if self._at_once.remembers and not faults:
-                    self._at_once.remembered = self.shared.remembered(signals)
+                if self.at_once.remembers and not faults:
+                    self.at_once.remembered = self.shared.remembered(signals)
                     self._others = frame.lines, frame.closed, frame.events
                 return frame, self._but_known(cycle, faults)
         read = self._closely(cycle, Frame(settings=self.settings), faults)
-        self._at_once.learn()
+        self.at_once.learn()
         return read
 
     def read_all(self, cycles: Sequence[Cycle], passes: Passes) -> list[Read]:

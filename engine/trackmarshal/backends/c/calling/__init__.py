@@ -9,9 +9,24 @@ from typing import Any
 
 from trackmarshal.backends.c.build import small_library
 
+_HERE = Path(__file__).parent
+_FILES = (
+    *(_HERE / name for name in ("python.h", "call.h", "call.c", "quick.c")),
+    *(_HERE.parent / "gather" / name for name in ("gather.h", "gather.c")),
+)
+
+
+def shell() -> ctypes.PyDLL:
+    """The library of all that C has to do with Python's objects. Raises TrackmarshalError E471 or E472 without a compiler."""
+    library = ctypes.PyDLL(str(small_library(*_FILES)))
+    for name in ("made_call", "made_gather", "made_quick"):
+        made = getattr(library, name)
+        made.restype, made.argtypes = ctypes.py_object, [ctypes.c_void_p]
+    return library
+
 
 class _Calling(ctypes.Structure):
-    """A `calling` of call.c."""
+    """A `calling` of call.h."""
 
     _fields_ = [
         (name, ctypes.c_int64 if name == "signals" else ctypes.c_void_p)
@@ -27,10 +42,10 @@ class Calling:
     """
 
     def __init__(self, step: int, bound: int, words: int, signals: int, clock: Callable[[], float]) -> None:
-        library = ctypes.PyDLL(str(small_library(Path(__file__).with_name("call.c"))))
+        library = shell()
         self._kept = clock
         self._own = _Calling(step, bound, words, signals, id(clock), None)
-        library.made.restype, library.made.argtypes = ctypes.py_object, [ctypes.c_void_p]
+        self.signals = signals
         self.user = ctypes.addressof(self._own)
-        self.step: Callable[..., Any] = library.made(self.user)
+        self.step: Callable[..., Any] = library.made_call(self.user)
         self.clock: int = ctypes.cast(library.clock_reading, ctypes.c_void_p).value or 0

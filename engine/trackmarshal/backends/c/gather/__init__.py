@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-import struct
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trackmarshal.backends.c.build import small_library
+from trackmarshal.backends.c.calling import shell
+from trackmarshal.backends.c.calling.objects import OtherObjectsError, as_known
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
 from trackmarshal.runtime.cycle import Limits
@@ -19,20 +18,20 @@ from trackmarshal.runtime.door.at_once import AtOnce, floats
 from trackmarshal.runtime.door.columns import ColumnsReader
 from trackmarshal.runtime.frame import Arena, Shape
 
-#: As gather.c has them: bits of what is said of a cycle, and the first of those that tell which signals have ids.
+#: As gather.h has them: bits of what is said of a cycle, and the first of those that tell which signals have ids.
 _UNCHANGED, _WHOLE, _IDS = 1, 2, 2
 #: More signals than these take a closer look: there is a bit for each.
 _MOST = 60
 
 
 class _Wanted(ctypes.Structure):
-    """A `wanted` of gather.c."""
+    """A `wanted` of gather.h."""
 
     _fields_ = [(name, ctypes.c_int64) for name in ("width", "record", "most", "least", "named")]
 
 
 class _Reading(ctypes.Structure):
-    """A `reading` of gather.c."""
+    """A `reading` of gather.h."""
 
     _fields_ = [
         (name, ctypes.c_int64 if name in ("count", "fields") else ctypes.c_void_p)
@@ -48,8 +47,7 @@ class Gathered(AtOnce):
     def __init__(self, readers: Sequence[ColumnsReader], limits: Limits) -> None:
         super().__init__(readers)
         if not as_known() or len(readers) > _MOST:
-            raise OSError("objects of Python or numpy are not what they are taken for")
-        library = ctypes.PyDLL(str(small_library(Path(__file__).with_name("gather.c"))))
+            raise OtherObjectsError
         widths = [len(reader.names.numbers) for reader in readers]
         most = [
             1 if r.signal.form == RECORD else limits.elements if r.signal.form == SET else limits.samples
@@ -83,19 +81,22 @@ class Gathered(AtOnce):
         reading = _Reading(signals, len(wanted), by_name, len(fields), by_field, defaults, optional, by_type)
         #: All that C has the addresses of.
         self._kept = (called, names, types, arrays, reading)
-        library.made.restype, library.made.argtypes = ctypes.py_object, [ctypes.c_void_p]
-        self._run: Callable[..., bytes | None] = library.made(ctypes.addressof(reading))
+        #: Names that are looked for, in the order in which they are.
+        self.looked_for = (*called, *names)
+        #: Where C finds it.
+        self.address = ctypes.addressof(reading)
+        self._run: Callable[..., bytes | None] = shell().made_gather(self.address)
         self.learn()
 
     def learn(self) -> None:
-        #: The ids of each signal, and shapes by what C says of a cycle.
-        self._known = tuple(reader.known_ids for reader in self._readers)
+        #: The ids of each signal; and shapes, by what C says of a cycle.
+        self.known = tuple(reader.known_ids for reader in self._readers)
         self._shapes: dict[bytes, Shape] = {}
 
     def read(self, driving: Any, emergency: Any, signals: dict[Any, Any]) -> Arena | None:
         if not self._fits:
             return None
-        data = self._run(driving, emergency, signals, self._known, self.remembered)
+        data = self._run(driving, emergency, signals, self.known, self.remembered)
         if data is None:
             return None
         shape = self._shapes.get(data[:8])
@@ -107,38 +108,13 @@ class Gathered(AtOnce):
         """What C says of a cycle: a bit for each signal that has ids, and more."""
         ids = tuple(
             () if reader.signal.form != SET else known if said >> (_IDS + place) & 1 else None
-            for place, (reader, known) in enumerate(zip(self._readers, self._known))
+            for place, (reader, known) in enumerate(zip(self._readers, self.known))
         )
         return Shape(self._called, self._names, ids, floats, bool(said & _UNCHANGED), bool(said & _WHOLE))
 
 
 def _addresses(objects: Sequence[object]) -> Any:
     return (ctypes.c_void_p * len(objects))(*map(id, objects))
-
-
-def as_known() -> bool:
-    """Whether Python's objects and numpy's arrays look as gather.c takes them to look."""
-    head, pointer = object.__basicsize__, ctypes.sizeof(ctypes.c_void_p)
-    if head != 2 * pointer:
-        return False
-    probe, swapped = np.zeros((3, 2))[:, 1], np.dtype(np.float64).newbyteorder()
-    _, kind, data, ndim, shape, strides, base, dtype = struct.unpack_from("@nPPiPPPP", _memory(probe))
-    if (kind, data, ndim, base, dtype) != (
-        id(np.ndarray),
-        probe.ctypes.data,
-        1,
-        id(probe.base),
-        id(probe.dtype),
-    ):
-        return False
-    sizes = [ctypes.c_ssize_t.from_address(at).value for at in (shape, strides)]
-    orders = [struct.unpack_from("@nPPccc", _memory(one))[-3:] for one in (probe.dtype, swapped)]
-    order = b"<" if sys.byteorder == "big" else b">"
-    return sizes == [3, 16] and orders == [(b"f", b"d", b"="), (b"f", b"d", order)]
-
-
-def _memory(one: object) -> bytes:
-    return ctypes.string_at(id(one), type(one).__basicsize__)
 
 
 def fastest(readers: Sequence[ColumnsReader], limits: Limits) -> AtOnce:

@@ -1,21 +1,12 @@
-/* Numbers out of Python's dicts of numpy arrays, by Python's stable ABI (3.11 and later) and numpy's: names are declared here, so no header is
-   needed.
+/* Numbers out of Python's dicts of numpy arrays.
 
    Only what is exactly as it is mostly is taken: dicts, arrays of float64 of one axis, floats. For anything else the answer is -1, and
    Python has a closer look. The caller holds Python's lock.
 
    What is read stands all over the memory: first all of it is looked up, then fetched, then copied, so that one waits for memory once and not
    for every array. */
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "gather.h"
 
-typedef ptrdiff_t Py_ssize_t;
-typedef struct _object PyObject;
-struct _object { /* as all of the stable ABI has it before 3.15; whoever loads this has looked */
-  Py_ssize_t references;
-  PyObject *type;
-};
 typedef struct { /* the beginning of numpy's array, the same since numpy 1.0 */
   PyObject head;
   const char *data;
@@ -32,76 +23,6 @@ typedef struct { /* the beginning of what numpy's arrays say of their entries */
   char type;
   char order; /* '=' for this machine's */
 } entries;
-typedef PyObject *(*function)(PyObject *self, PyObject *const *given, Py_ssize_t count);
-typedef struct {
-  const char *name;
-  function run;
-  int flags;
-  const char *doc;
-} PyMethodDef;
-
-extern PyObject _Py_NoneStruct;
-PyObject *PyDict_GetItemWithError(PyObject *dict, PyObject *key);
-Py_ssize_t PyDict_Size(PyObject *dict);
-PyObject *PyList_GetItem(PyObject *list, Py_ssize_t index);
-Py_ssize_t PyList_Size(PyObject *list);
-PyObject *PyTuple_GetItem(PyObject *tuple, Py_ssize_t index);
-Py_ssize_t PyTuple_Size(PyObject *tuple);
-int PyUnicode_Compare(PyObject *one, PyObject *other);
-double PyFloat_AsDouble(PyObject *object);
-void *PyLong_AsVoidPtr(PyObject *number);
-PyObject *PyLong_FromVoidPtr(void *address);
-PyObject *PyBytes_FromStringAndSize(const char *data, Py_ssize_t size);
-char *PyBytes_AsString(PyObject *bytes);
-PyObject *PyErr_Occurred(void);
-void PyErr_Clear(void);
-void Py_IncRef(PyObject *object);
-void Py_DecRef(PyObject *object);
-PyObject *PyCFunction_NewEx(PyMethodDef *definition, PyObject *self, PyObject *module);
-
-enum { FASTCALL = 0x0080, LINE = 64 };
-
-#if defined(__GNUC__)
-#define FETCH(address) __builtin_prefetch(address)
-#else
-#define FETCH(address) ((void)(address))
-#endif
-
-/* What is wanted of one signal: how many fields, whether it is a record of floats, the most entries, the fewest (0: a set, whose elements may
-   have ids), and whether its elements must have ids. */
-typedef struct {
-  int64_t width;
-  int64_t record;
-  int64_t most;
-  int64_t least;
-  int64_t named;
-} wanted;
-
-/* Types, and the text "id". */
-typedef struct {
-  PyObject *dict;
-  PyObject *list;
-  PyObject *tuple;
-  PyObject *text;
-  PyObject *array;
-  PyObject *real;
-  PyObject *numpy_real;
-  PyObject *float64;
-  PyObject *id;
-} types;
-
-/* All that one reader needs. signals: the two candidates, then those that a cycle has by name, which `called` gives. names and defaults: of all
-   fields, one signal after the other; a field that is `optional` may be left out. */
-typedef struct {
-  const wanted *signals;
-  int64_t count;
-  PyObject *const *called;
-  int64_t fields;
-  PyObject *const *names;
-  const double *defaults;
-  const unsigned char *optional;
-  const types *types;
-} reading;
 
 /* What is looked up and held: of each signal its dict and its ids, the fields, the others; and the words, in the making. Code of a caller's
    that runs meanwhile may have the same reader read something else. */
@@ -112,10 +33,6 @@ typedef struct {
   PyObject **others;
   uint64_t *words;
 } holding;
-
-/* What is said of a cycle: -1 for one that takes a closer look; else whether all others are as they are remembered, and whether there are no
-   more signals; in the bits from IDS on, the signals that have ids. */
-enum { REFUSED = -1, UNCHANGED = 1, WHOLE = 2, IDS = 2 };
 
 static void fetch(const void *object) {
   FETCH(object);
@@ -301,12 +218,8 @@ static PyObject *read(const reading *r, const holding *h, PyObject *const *given
   return bytes;
 }
 
-/* Read a cycle: both candidates, its signals, the known ids of each signal, and what the others were, as (name, names within, objects), or None.
-   Its bytes: what is said of it, of each signal where its numbers are in them, 0, and how many entries it has, then the numbers; None for one
-   that takes a closer look. */
-static PyObject *gather(PyObject *self, PyObject *const *given, Py_ssize_t count) {
-  const reading *r = (const reading *)PyLong_AsVoidPtr(self);
-  const int remembers = (count == 5) && (given[4]->type == r->types->tuple);
+PyObject *gathered(const reading *r, PyObject *const *given) {
+  const int remembers = (given[4]->type == r->types->tuple);
   const Py_ssize_t others = remembers ? PyTuple_Size(given[4]) : 0;
   const int64_t most = (2 * r->count) + r->fields + (int64_t)others;
   PyObject *held[most];
@@ -314,11 +227,18 @@ static PyObject *gather(PyObject *self, PyObject *const *given, Py_ssize_t count
   const holding h = {held, &held[r->count], &held[2 * r->count], &held[(2 * r->count) + r->fields], words};
   PyObject *bytes;
   memset(held, 0, sizeof held);
-  bytes = (count == 5) ? read(r, &h, given, others, remembers) : NULL;
-  PyErr_Clear();
+  bytes = read(r, &h, given, others, remembers);
+  if (bytes == NULL) { PyErr_Clear(); }
   for (int64_t k = 0; k < most; ++k) {
     if (held[k] != NULL) { Py_DecRef(held[k]); }
   }
+  return bytes;
+}
+
+/* The bytes of a cycle, or None. */
+static PyObject *gather(PyObject *self, PyObject *const *given, Py_ssize_t count) {
+  const reading *r = (const reading *)PyLong_AsVoidPtr(self);
+  PyObject *bytes = (count == 5) ? gathered(r, given) : NULL;
   if (bytes == NULL) {
     bytes = &_Py_NoneStruct;
     Py_IncRef(bytes);
@@ -327,7 +247,7 @@ static PyObject *gather(PyObject *self, PyObject *const *given, Py_ssize_t count
 }
 
 /* The function for a reader of which all is known; a new reference. */
-PyObject *made(const reading *r) {
+PyObject *made_gather(const reading *r) {
   static PyMethodDef definition = {"gather", gather, FASTCALL, NULL};
   PyObject *self = PyLong_FromVoidPtr((void *)(uintptr_t)r);
   PyObject *function = (self == NULL) ? NULL : PyCFunction_NewEx(&definition, self, NULL);
