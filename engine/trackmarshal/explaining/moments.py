@@ -39,13 +39,10 @@ def told_moments(replay: Replay, evaluator: Evaluator) -> list[dict[str, Any]]:
     it has not.
     """
     run = _Run(replay, evaluator)
-    found = []
+    found, candidates = [], replay.candidates
     for place, rule in enumerate(evaluator.rules):
-        for candidate in dict.fromkeys(name for cycle in replay.cycles for name in cycle.results):
-            results = [
-                cycle.results[candidate].said(rule.name) if candidate in cycle.results else None
-                for cycle in replay.cycles
-            ]
+        for candidate in candidates:
+            results = replay.said(candidate, rule.name)
             numbers = chosen(results, remembers(rule))
             told = {str(number): run.lines(place, rule, candidate, number) for number in numbers}
             unsafe = sum(result is not None and result.fired for result in results)

@@ -144,7 +144,9 @@ def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula) -> bool:
     evaluator = Evaluator(Spec(**{**spec.__dict__, "rules": rules}), [rule.name], "reference")
     other = PreparedTest(**{**test.__dict__, "rule": rule})
     (said,) = _said(evaluator, [other])
-    return said.verdict in ("satisfied", "violated") and _compared(other, said)[0] == "failed"
+    if said.verdict not in ("satisfied", "violated"):
+        return False
+    return _differs(other, said) or _compared(other, said)[0] == "failed"
 
 
 class _Said(NamedTuple):
@@ -192,9 +194,14 @@ def _named(value: Any) -> Any:
 
 def _as_expected(test: PreparedTest, said: _Said) -> bool:
     """Whether nothing differs from what a test expects, as far as verdict and margin tell, where it expects no more than that."""
-    if test.unit is not None or test.binder is not None or said.verdict != test.verdict:
-        return False
-    return test.margin is None or _close(said.margin, test.margin, test.tolerance)
+    return test.unit is None and test.binder is None and not _differs(test, said)
+
+
+def _differs(test: PreparedTest, said: _Said) -> bool:
+    """Whether verdict or margin are others than a test expects: whatever decided them, it fails."""
+    if said.verdict != test.verdict:
+        return True
+    return test.margin is not None and not _close(said.margin, test.margin, test.tolerance)
 
 
 def mismatch(test: PreparedTest, result: RuleResult) -> str:
