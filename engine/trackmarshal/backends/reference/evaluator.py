@@ -77,9 +77,10 @@ class Reference:
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
-        if isinstance(node, ir.Const):
-            return node.value
-        if type(node) in _READ_AT_ONCE:
+        kind = type(node)
+        if kind is ir.Const:
+            return node.value  # type: ignore[union-attr]
+        if kind in _READ_AT_ONCE:
             return self._number(node, env)
         known = self._numbers.get(node)
         if known is None:
