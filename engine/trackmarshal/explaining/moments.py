@@ -70,10 +70,11 @@ def chosen(results: Sequence[RuleResult | Said | None], remembering: bool) -> li
         return sorted(_evenly(list(firsts), MOST_REMEMBERED))
     measured = [i for i, result in told.items() if result.verdict in ("satisfied", "violated")]
     least = [min(measured, key=lambda i: told[i].margin)] if measured else []
+    verdicts = {i: result.verdict for i, result in known.items()}
     changes = [
         i
-        for i, result in told.items()
-        if any(near in known and known[near].verdict != result.verdict for near in (i - 1, i + 1))
+        for i in told
+        if not verdicts.get(i - 1, verdicts[i]) == verdicts[i] == verdicts.get(i + 1, verdicts[i])
     ]
     wanted: dict[int, None] = {}
     for group in (least, list(firsts), changes, unsafe):
