@@ -22,7 +22,7 @@ _KINDS = (".py", ".spec", ".lark", ".c", ".h", ".j2")
 @cache
 def tool() -> str:
     """`trackmarshal VERSION HASH`, the hash being that of the sources of what reads and evaluates rules, and of numpy's version."""
-    return f"trackmarshal {__version__} {_sources(_own(), _NO_PART)[:16]}"
+    return f"trackmarshal {__version__} {_sources(_own(HERE), _NO_PART)[:16]}"
 
 
 def tool_of(folder: Path) -> str:
@@ -37,7 +37,7 @@ def tool_of(folder: Path) -> str:
 @cache
 def whole() -> str:
     """The hash of the sources of all of it, what reads projects included, and of numpy's version."""
-    return _sources(_own(), ())
+    return _sources(_own(HERE), ())
 
 
 def _numpy() -> bytes:
@@ -69,6 +69,6 @@ def _hashes(root: Path) -> list[tuple[tuple[str, ...], bytes]]:
 
 
 @cache
-def _own() -> list[tuple[tuple[str, ...], bytes]]:
+def _own(here: Path) -> list[tuple[tuple[str, ...], bytes]]:
     """Those of this program, which are read once."""
-    return _hashes(HERE)
+    return _hashes(here)
