@@ -312,14 +312,20 @@ def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) 
 
 
 def all_of(
-    stretches: list[region.Stretch], corners: list[Point], known: float, origin: Point
-) -> list[region.Segment]:
-    return [segment(a, b, origin) for _, part in stretches for a, b in part]
+    stretches: list[region.Seen], body: region.Body, known: float
+) -> list[tuple[float, region.Segment]]:
+    return [(0.0, segment(a, b, body.first[:2])) for _, _, part in stretches for a, b in part]
 
 
-def gap_to_all(corners: list[Point], hull: list[region.Segment], border: list[region.Segment]) -> float:
-    from_corners = [distance(*corner, s) for corner in corners for s in border]
-    from_border = [distance(s.ax, s.ay, edge) for s in border for edge in hull]
+def gap_to_all(
+    body: region.Body,
+    hull: list[region.Segment],
+    border: list[tuple[float, region.Segment]],
+    known: float,
+) -> float:
+    corners, segments = body.corners, [s for _, s in border]
+    from_corners = [distance(*corner, s) for corner in corners for s in segments]
+    from_border = [distance(s.ax, s.ay, edge) for s in segments for edge in hull]
     return min(from_corners + from_border)
 
 

@@ -87,17 +87,23 @@ class CaseView:
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
         made = self._run.readings.get(node)
         if made is None:
-            made = self._run.readings[node] = Reading(self._of(node), self._run.batch.size)
+            made = Reading(self._of(node), self._run.batch.size)
+            if self._least(node) is None:  # else it may be of this case alone
+                self._run.readings[node] = made
         return made.at(self._index, env)
 
     def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
         return self._run.recalled(node, kept, self._index).truth(node, env)
 
     def _of(self, node: ir.Formula) -> Value:
-        """The value of a formula, also where the run has only done what its verdict takes."""
+        """The value of a formula, also where the run has only done what its verdict takes: of this case, or of all."""
+        least = self._least(node)
+        return self._run.of(node) if least is None else least.about(self._index)
+
+    def _least(self, node: ir.Formula) -> places.Least | None:
+        """What knows all margins of a formula, where the run has only worked out the least."""
         place = self._run.program.code.least.get(node)
-        least: places.Least | None = None if place is None else self._run._values[place]
-        return self._run.of(node) if least is None else least.value
+        return None if place is None else self._run._values[place]
 
     def _place(self, array: Any, env: dict[int, int]) -> list[Any]:
         """Where in an array the case has its value; empty for an array without axes, which has one value for all."""

@@ -19,19 +19,20 @@ class Box(NamedTuple):
     low: float
     high: float
 
-    def seen_from(self, x: float, y: float) -> Box:
-        """The box of the same points seen from an origin; rounding keeps their order, so it is exactly theirs."""
-        return Box(self.left - x, self.right - x, self.low - y, self.high - y)
-
     def wider(self, by: float) -> Box:
         """The box with so much more on every side."""
         return Box(self.left - by, self.right + by, self.low - by, self.high + by)
 
-    def apart(self, other: Box) -> float:
-        """How far two boxes are apart in x or in y, which is no farther than they are; 0 where they overlap."""
+    def apart(self, other: Box, x: float = 0.0, y: float = 0.0) -> float:
+        """How far the box, seen from an origin, and another one are apart in x or in y, which is no farther than they are; 0 where they overlap.
+
+        Rounding keeps the order of points, so seen from there it is exactly the box of what is in it.
+        """
         left, right, low, high = self
         its_left, its_right, its_low, its_high = other
-        return max(left - its_right, its_left - right, low - its_high, its_low - high, 0.0)
+        return max(
+            left - x - its_right, its_left - (right - x), low - y - its_high, its_low - (high - y), 0.0
+        )
 
     @property
     def size(self) -> float:

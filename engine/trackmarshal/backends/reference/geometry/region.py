@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
+from typing import NamedTuple
 
 from trackmarshal.backends.reference.geometry.boxes import STRETCH, Box, box_of
 from trackmarshal.backends.reference.geometry.curve import Placed, curve, placed
@@ -30,6 +32,8 @@ LEAST = -2.2250738585072014e-308
 
 #: Segments of a border that follow each other, and their box.
 Stretch = tuple[Box, tuple[tuple[Point, Point], ...]]
+#: The same seen from a body: how far its box is from the one of the body, and how large it is, both [m].
+Seen = tuple[float, float, tuple[tuple[Point, Point], ...]]
 
 
 @dataclass(frozen=True)
@@ -115,23 +119,23 @@ def piece_margin(region: Region, first: Placed, second: Placed, length: float, w
     Where neither exists (the border passes through between corners), minus the depth of the middle of the longest
     stretch of a border segment inside the hull.
     """
-    origin = x0, y0 = first.x, first.y
+    x0, y0 = first.x, first.y
     corners = swept_corners(first, second, length, width)
-    hull = chain(convex_hull(corners), True)
-    stretches = [(around.seen_from(*origin), part) for around, part in region.stretches]
-    reach = first_reach(stretches, corners[0], origin)
-    border = near(stretches, corners, reach, origin)
-    entering = [s for s in border if enters(s, hull)]
+    hull, body = chain(convex_hull(corners), True), Body.of(corners, first)
+    stretches = [(box.apart(body.around, x0, y0), box.size, part) for box, part in region.stretches]
+    reach = first_reach(stretches, body)
+    border = near(stretches, body, reach)
+    entering = [s for off, s in border if off <= body.surely(0.0, s) and enters(s, hull)]
     if not entering and region.holds((x0 + second.x) / 2, (y0 + second.y) / 2):
-        return gap(corners, hull, border)
+        return gap(body, hull, border, reach)
     worst = 0.0
-    # A corner is no farther from the border than the first corner is, and the way to it.
-    around_all = near(stretches, corners, reach + box_of(corners).size, origin)
+    # A corner is no farther from the border than another one is, and the way to that.
+    around_all = near(stretches, body, reach + body.size)
     for x, y in corners:
-        reach = min(distance(x, y, s) for s in around_all)
+        reach = min(distance(x, y, s) for _, s in around_all)
         if reach > 0.0 and not region.holds(x + x0, y + y0):
             worst = max(worst, reach)
-    for s in border:
+    for _, s in border:
         worst = max(worst, depth(s.ax, s.ay, hull))
     if worst == 0.0:
         worst = max((depth(*middle(s, hull), hull) for s in entering), default=0.0)
@@ -147,55 +151,74 @@ def enters(s: Segment, hull: Sequence[Segment]) -> bool:
     return min(turns) < 0.0 < max(turns)
 
 
-def first_reach(stretches: Sequence[Stretch], corner: Point, origin: Point) -> float:
-    """How far a corner is from the stretch of a border that looks nearest: it is no farther from the border."""
-    x, y = corner
-    at = Box(x, x, y, y)
-    _, looks = min(stretches, key=lambda stretch: stretch[0].apart(at))
-    return min(distance(x, y, segment(a, b, origin)) for a, b in looks)
+class Body(NamedTuple):
+    """The corners of what is swept, seen from the first of its poses, and boxes around them: of x and y, and of ahead of that pose and to its left."""
+
+    corners: Sequence[Point]
+    first: Placed
+    around: Box
+    along: Box
+    size: float
+
+    @classmethod
+    def of(cls, corners: Sequence[Point], first: Placed) -> Body:
+        """The body of corners that are seen from a pose."""
+        ahead, aside, around = first.ahead, first.aside, box_of(corners)
+        turned = [(x * ahead + y * aside, y * ahead - x * aside) for x, y in corners]
+        return cls(corners, first, around, box_of(turned), around.size)
+
+    def surely(self, known: float, s: Segment) -> float:
+        """How far a segment has to be away to be farther than known, however distances are rounded."""
+        return surely(known, self.size + abs(s.ex) + abs(s.ey))
 
 
-def near(
-    stretches: Sequence[Stretch], corners: Sequence[Point], known: float, origin: Point
-) -> list[Segment]:
-    """The segments of a border, seen from an origin, without those that are surely farther from the hull of corners than is `known`: they do
-    not enter it, and have no end in it."""
-    box = box_of(corners)
-    x, y = origin
+def first_reach(stretches: Sequence[Seen], body: Body) -> float:
+    """How far a corner is from the segment that looks nearest, of the stretch that does: it is no farther from the border."""
+    _, s = min(near([min(stretches, key=itemgetter(0))], body, math.inf))
+    return nearest(body.corners, s)
+
+
+def near(stretches: Sequence[Seen], body: Body, known: float) -> list[tuple[float, Segment]]:
+    """The segments of a border, seen as the body is, without those that are surely farther from it than is `known`: they do not enter it, and have no
+    end in it. With each how far it is at least."""
+    x, y, ahead, aside = body.first
+    back, front, right, left = body.along
     found = []
-    for around, part in stretches:
-        limit = surely(known, around.size)
-        if around.apart(box) > limit:
+    for apart, size, part in stretches:
+        limit = surely(known, body.size + size)
+        if apart > limit:
             continue
-        left, right, low, high = box.wider(limit)
+        west, east, south, north = body.around.wider(limit)
         for a, b in part:
-            # `beyond` of the `segment`, written out: most are, and need not be made.
+            # All written out: there are many, most lie on one side of the box, and need not be made.
             ax, ay, bx, by = a[0] - x, a[1] - y, b[0] - x, b[1] - y
-            if not (ax < left > bx or ax > right < bx or ay < low > by or ay > high < by):
-                found.append(Segment(ax, ay, bx, by, b[0] - a[0], b[1] - a[1]))
+            if ax < west > bx or ax > east < bx or ay < south > by or ay > north < by:
+                continue
+            u, v = ax * ahead + ay * aside, ay * ahead - ax * aside
+            other_u, other_v = bx * ahead + by * aside, by * ahead - bx * aside
+            if u > other_u:
+                u, other_u = other_u, u
+            if v > other_v:
+                v, other_v = other_v, v
+            du = u - front if u > front else back - other_u if other_u < back else 0.0
+            dv = v - left if v > left else right - other_v if other_v < right else 0.0
+            off = math.sqrt(du * du + dv * dv)
+            if off <= limit:
+                found.append((off, Segment(ax, ay, bx, by, b[0] - a[0], b[1] - a[1])))
     return found
 
 
-def gap(corners: Sequence[Point], hull: Sequence[Segment], border: Sequence[Segment]) -> float:
-    """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other."""
-    around = box_of(corners)
-    least, close = math.inf, []
-    for s in border:
-        if beyond(s, around.wider(surely(least, abs(s.ex) + abs(s.ey)))):
-            continue  # farther than another one: so is its start
-        close.append((s.ax, s.ay))
-        least = min(least, nearest(corners, s))
-    left, right, low, high = around.wider(surely(least, 0.0))
+def gap(body: Body, hull: Sequence[Segment], border: Sequence[tuple[float, Segment]], known: float) -> float:
+    """The distance of a hull from a border that does not enter it: a corner of one is nearest to a side of the other. A corner is as far as is
+    `known` from one of the segments."""
+    least, close = known, []
+    for off, s in sorted(border):
+        if off <= body.surely(least, s):  # else farther than another one: so is its start
+            close.append((s.ax, s.ay))
+            least = min(least, nearest(body.corners, s))
+    left, right, low, high = body.around.wider(surely(least, 0.0))
     close = [(x, y) for x, y in close if left <= x <= right and low <= y <= high]  # no other one is nearer
-    from_border = min(nearest(close, edge) for edge in hull)
-    return min(least, from_border)
-
-
-def beyond(s: Segment, box: Box) -> bool:
-    """Whether a segment lies on one side of a box."""
-    left, right, low, high = box
-    ax, ay, bx, by, _, _ = s
-    return ax < left > bx or ax > right < bx or ay < low > by or ay > high < by
+    return min(least, *(nearest(close, edge) for edge in hull))
 
 
 def surely(known: float, size: float) -> float:
