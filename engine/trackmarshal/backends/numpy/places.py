@@ -97,6 +97,10 @@ class Least:
             found = self._asked[case] = logic.value(*self._alone(case), logic.AT_LEAST)
         return found
 
+    def is_of_one(self, case: int) -> bool:
+        """Whether what is said about a case is of that case alone."""
+        return case in self._asked
+
 
 def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tuple[Any, Any, Least | None]:
     """The worst and the best margin of swept footprints in an area, of which only the least along an axis counts.

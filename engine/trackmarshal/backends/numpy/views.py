@@ -79,17 +79,20 @@ class CaseView:
         self._run = run
         self._index = index
         self._case = run.batch.cases[index]
+        #: What has been asked of this case alone.
+        self._readings: dict[ir.IR, Reading] = {}
 
     @property
     def spec(self) -> Spec:
         return self._run.program.spec
 
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
-        made = self._run.readings.get(node)
+        made = self._run.readings.get(node) or self._readings.get(node)
         if made is None:
             made = Reading(self._of(node), self._run.batch.size)
-            if self._least(node) is None:  # else it may be of this case alone
-                self._run.readings[node] = made
+            least = self._least(node)
+            alone = least is not None and least.is_of_one(self._index)
+            (self._readings if alone else self._run.readings)[node] = made
         return made.at(self._index, env)
 
     def recalled(self, node: ir.Formula, env: dict[int, int], kept: Mapping[ir.Kept, float]) -> Truth:
