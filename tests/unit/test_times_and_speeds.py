@@ -98,17 +98,3 @@ def test_it_is_driven_only_as_planned(change: Callable[[Cycle], None], safe: boo
     decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
     assert (decision.safe, decision.faults) == (safe, ())
     assert safe or {"pace_integrity", "speed_integrity"} & {one.rule for one in decision.violations}
-
-
-@BACKENDS
-@pytest.mark.parametrize("gap", [60.0, 6.0])
-def test_nobody_drives_the_wrong_way_towards_others(gap: float, backend: str) -> None:
-    """They count as behind, so no rule on gaps speaks of them."""
-    given = cycle(0, objects=1)
-    for plan in (given.driving, given.emergency):
-        plan["x"], plan["heading"] = 100.0 - plan["x"], np.full(len(plan["x"]), np.pi)
-    given.signals["ego"].update(x=100.0, heading=np.pi)
-    given.signals["objects"].update(x=np.array([100.0 - gap]), y=np.array([0.0]), v=np.array([25.0]))
-    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
-    assert (decision.safe, decision.faults) == (False, ())
-    assert {one.rule for one in decision.violations} == {"race_direction"}

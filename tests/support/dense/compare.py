@@ -29,6 +29,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "safe_gap": ["ahead"],
         "safe_gap_oncoming": ["oncoming"],
         "safe_side": ["beside"],
+        "safe_fallback": ["stops too late"],
         "rss_eq1": ["printed"],
         "arc_length_integrity": ["arc length"],
         "heading_integrity": ["heading"],
