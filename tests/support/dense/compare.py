@@ -29,13 +29,15 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "safe_gap": ["ahead"],
         "safe_gap_oncoming": ["oncoming"],
         "safe_side": ["beside"],
+        "safe_fallback": ["stops too late"],
         "rss_eq1": ["printed"],
         "arc_length_integrity": ["arc length"],
         "heading_integrity": ["heading"],
         "curvature_integrity": ["curvature"],
         "acceleration_integrity": ["acceleration"],
         "pace_integrity": ["time"],
-        "speed_integrity": ["speed jumps"],
+        # Of the forces of a step, those along it and those across.
+        "speed_integrity": ["speed jumps", "friction"],
         "pose_match": ["off its path", "elsewhere"],
         "pose_on_path": ["off its path", "elsewhere"],
         "place_match": ["elsewhere"],
@@ -52,6 +54,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "A-FRICTION": [],
         "obstacle_collision": [],
         "zone_speed_limit": [],
+        "race_direction": [],
     }.items()
 }
 #: A fact that is certain -> rules of which one has to fire.

@@ -11,6 +11,8 @@ from support.dense.recording import Columns, Cycle, Recording
 
 #: Two ways to a distance along the road may differ by as much, m: both are right on the middle of the road.
 SLACK = 0.01
+#: The same of a way along a candidate's path, which is beside the middle of the road and bends otherwise.
+ALONG = 1.0
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,10 @@ def facts(
             possible = (
                 at_most | _true(physics.between(candidate, car)) | _true(columns.disagreements(candidate))
             )
+            if name == "emergency":
+                gaps, way = traffic.gaps(lane, cycle, car, rss.Response()), traffic.way_left(cycle, candidate)
+                certain |= {"stops too late" for gap in gaps if traffic.reached(gap, way, -ALONG)}
+                possible |= {"stops too late" for gap in gaps if traffic.reached(gap, way, ALONG)}
             possible |= _true(place.astray(cycle, candidate, near or place.Near()))
             result[cycle.index, name] = Facts(frozenset(certain), frozenset(certain | possible))
     return result

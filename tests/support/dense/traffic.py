@@ -122,6 +122,8 @@ class Gaps:
     needed_along: float
     needed_across: float
     printed: float
+    #: How much further away it is once it stands: less where it comes towards our car.
+    room: float
 
 
 def gaps(lane: Lane, cycle: Cycle, car: Car, r: rss.Response) -> Sequence[Gaps]:
@@ -156,9 +158,23 @@ def gaps(lane: Lane, cycle: Cycle, car: Car, r: rss.Response) -> Sequence[Gaps]:
                 else rss.same_direction(own_along, along, r),
                 needed_across=rss.aside(left * own_across, -left * across, r),
                 printed=rss.as_printed(gap, own_along, along, r),
+                room=-rss.stopping(-along, r) if ahead_of else along * along / (2.0 * r.brake),
             )
         )
     return result
+
+
+def way_left(cycle: Cycle, columns: Columns) -> float:
+    """How far it is along a candidate from where the car is to its end [m]."""
+    if curve.chords(columns).max() <= curve.SAME:
+        return 0.0
+    line = shapely.LineString(np.stack([columns["x"], columns["y"]], axis=-1))
+    return float(line.length - line.project(shapely.Point(cycle.ego["x"], cycle.ego["y"])))
+
+
+def reached(gap: Gaps, way: float, slack: float) -> bool:
+    """Whether the car, so much way from its rest, gets as far as where the other one stands; slack in m."""
+    return not gap.behind and gap.across <= gap.needed_across + slack and gap.along + gap.room <= way + slack
 
 
 def _reach(length: float, width: float, angle: float) -> float:

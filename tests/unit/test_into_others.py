@@ -1,0 +1,52 @@
+"""Ways to drive into others that no rule on gaps speaks of are driven by nobody, whichever evaluator looks at them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from support.cycles import SPEED, cycle, plan
+from support.supervised import shipped
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.runtime.cycle import Cycle
+
+BACKENDS = pytest.mark.parametrize(
+    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
+)  # fmt: skip
+
+
+def among(x: float, v: float) -> Cycle:
+    """A cycle with one other car in the same line, at x m, which drives along the track at v m/s."""
+    given = cycle(0, objects=1)
+    given.signals["objects"].update(x=np.array([x]), y=np.array([0.0]), v=np.array([v]))
+    return given
+
+
+def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
+    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
+    assert decision.faults == ()
+    assert decision.safe == (not decision.violations)
+    return {(one.rule, one.candidate) for one in decision.violations}
+
+
+@BACKENDS
+@pytest.mark.parametrize("gap", [60.0, 6.0])
+def test_nobody_drives_the_wrong_way_towards_others(gap: float, backend: str) -> None:
+    """They count as behind."""
+    given = among(100.0 - gap, 25.0)
+    for candidate in (given.driving, given.emergency):
+        candidate["x"], candidate["heading"] = 100.0 - candidate["x"], np.full(len(candidate["x"]), np.pi)
+    given.signals["ego"].update(x=100.0, heading=np.pi)
+    assert against(given, backend) == {("race_direction", "driving"), ("race_direction", "emergency")}
+
+
+@BACKENDS
+@pytest.mark.parametrize(("braking", "safe"), [(12.0, True), (8.0, True), (6.0, False), (1.0, False)])
+def test_a_fallback_ends_before_it_reaches_who_stands_ahead(braking: float, safe: bool, backend: str) -> None:
+    """RSS asks for 21.4 m at 20 m/s, if the car brakes with 13 m/s^2 then; the other one is 30 m ahead."""
+    given = among(30.0 + 4.7 / 2 + 4.5 / 2, 0.0)
+    given.emergency.clear()
+    given.emergency.update(plan(0.0, braking, 60))
+    assert given.emergency["s"][-1] == pytest.approx(SPEED**2 / 2 / braking)
+    assert against(given, backend) == (set() if safe else {("safe_fallback", "emergency")})
