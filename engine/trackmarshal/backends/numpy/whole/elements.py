@@ -137,8 +137,7 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
     at_the_end = count == asked or bool(before(keys[-1], reach[count]))
     if at_the_end and passed(-2).all() and not passed(1).any():
         edge = np.full(asked, n, dtype=np.intp)
-        np.add(np.arange(guess - 1, guess - 1 + count), near, out=edge[:count])
-        edge[:count] += far
+        np.add(np.arange(guess - 1, guess - 1 + count), np.add(near, far, dtype=np.uint8), out=edge[:count])
         return edge
     return np.searchsorted(keys, reach, side)
 

@@ -15,13 +15,14 @@ class Levels:
     """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
 
     def __init__(self, begin: Indices, end: Indices) -> None:
-        self.count = len(begin)
-        length = end - begin
+        self.begin, length = begin, end - begin
+        #: Which have an element.
+        self.some = length > 0
         longest = int(length.max(initial=0))
         bits = _BITS.take(length) if longest < len(_BITS) else np.frexp(length)[1].astype(np.uint8)
-        #: Each level, its spans, and where the two begin.
+        #: Each level of spans of more than one element, its spans, and where the two begin.
         self.levels: list[tuple[int, Indices, Indices, Indices]] = []
-        for level in range(longest.bit_length()):
+        for level in range(1, longest.bit_length()):
             chosen = np.flatnonzero(bits == level + 1)
             if len(chosen):
                 self.levels.append((level, chosen, begin.take(chosen), end.take(chosen) - (1 << level)))
@@ -52,24 +53,28 @@ class Spans:
 
     def all(self, spans: Levels) -> Rows:
         """The least of p over each span."""
-        found: Rows = np.full(spans.count, self.carrier.top, self.carrier.dtype)
+        found = self._first(self._held[0], spans, self.carrier.top)
         for level, chosen, left, right in spans.levels:
             held, _ = self._longer(level)
             assert held is not None, "nothing has to hold here"
-            found[chosen] = self.carrier.meet(held.take(left), held.take(right)) if level else held.take(left)
+            found[chosen] = self.carrier.meet(held.take(left), held.take(right))
         return found
 
     def until(self, spans: Levels) -> Rows:
         """p until q inside each span."""
-        found: Rows = np.full(spans.count, self.carrier.bottom, self.carrier.dtype)
+        found = self._first(self._goal[0], spans, self.carrier.bottom)
         for level, chosen, left, right in spans.levels:
             held, goal = self._longer(level)
             assert goal is not None, "nothing is asked for here"
-            if not level:  # one element, on which nothing has to hold before the goal
-                found[chosen] = goal.take(left)
-                continue
             later = goal.take(right)
             if held is not None:
                 later = self.carrier.meet(held.take(left), later)
             found[chosen] = self.carrier.join(goal.take(left), later)
+        return found
+
+    @staticmethod
+    def _first(rows: Rows | None, spans: Levels, nothing: float | bool) -> Rows:
+        """What stands at the begin of each span: of one element that is all."""
+        assert rows is not None
+        found: Rows = np.where(spans.some, rows.take(spans.begin, mode="clip"), nothing)
         return found
