@@ -94,9 +94,7 @@ def test_what_is_asked_of_elements_in_range_is_computed_for_them_alone(tmp_path:
     assert asked.count(" / ") == text.count(" / ") == 1
     assert asked.count("tm_for_all_where(") == text.count("tm_for_all_where(") == 1
     # Nothing is computed: no branch.
-    assert "tm_may_hold(" not in known(
-        tmp_path, "  for all p in plan where p.v > 1 m/s\n  require p.x < 9 m"
-    )
+    assert "tm_may_hold(" not in known(tmp_path, "  for all p in plan where p.v > 1 m/s\n  require p.x < 9 m")
 
 
 def test_rules_that_ask_something_of_the_same_elements_share_a_branch(tmp_path: Path) -> None:
