@@ -6,6 +6,7 @@ import copy
 import gc
 import math
 import random
+import re
 import sys
 import weakref
 from dataclasses import replace
@@ -18,6 +19,8 @@ import pytest
 from support.cycles import PERIOD, cycle, mutate
 from support.pairs import agree, bits
 from support.supervised import Clock, shipped
+from trackmarshal.backends.c import calling
+from trackmarshal.backends.c.binding import HEAD, SAID
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.calling import objects, quick
 from trackmarshal.backends.c.calling.objects import OtherObjectsError
@@ -281,6 +284,28 @@ def test_objects_that_look_otherwise_are_for_python(why: str, monkeypatch: pytes
     for number in range(6):
         same(one.step(framed(number)), other_one.step(framed(number)))
     assert (one.quick, other_one.quick) == (0, 3)
+
+
+@pytest.mark.parametrize(
+    ("file", "struct", "fields"),
+    [
+        ("quick.c", "said_words", [name for name, _ in SAID]),
+        ("call.c", "head", [name for name, _ in HEAD]),
+        ("quick.c", "quick", [name.rstrip("_") for name, _ in quick._Quick._fields_]),
+        ("quick.c", "stretch", [name for name, _ in quick._Stretch._fields_]),
+        ("call.h", "calling", [name for name, _ in calling._Calling._fields_]),
+    ],
+)
+def test_structs_are_those_of_python(file: str, struct: str, fields: list[str]) -> None:
+    text = Path(calling.__file__).with_name(file).read_text(encoding="utf-8")
+    body = text[: text.index(f"}} {struct};")].rpartition("typedef struct {")[2]
+    names = [re.search(r"(\w+)\)?(\(.*\))?;", part) for part in body.splitlines() if ";" in part]
+    assert [found.group(1) for found in names if found] == fields
+
+
+def test_decisions_have_the_fields_that_c_fills() -> None:
+    text = Path(calling.__file__).with_name("quick.c").read_text(encoding="utf-8")
+    assert f"enum {{ FIELDS = {len(Decision._fields)} }};" in text
 
 
 def test_objects_are_looked_at() -> None:

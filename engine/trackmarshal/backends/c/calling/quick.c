@@ -275,7 +275,10 @@ static PyObject *taken(quick *q, PyObject *armed, const held_cycle *own, PyObjec
   if (bytes != NULL) { memcpy(&said, arena, sizeof said); }
   frame = ((bytes != NULL) && (said == q->expected) && (q->armed == armed)) ? frame_of(q, armed, bytes) : NULL;
   if (bytes != NULL) { Py_DecRef(bytes); }
-  if (frame == NULL) { return NULL; }
+  if (frame == NULL) {
+    PyErr_Clear(); /* where there was no memory for it: Python tries again */
+    return NULL;
+  }
   ++q->steps;
   step_of(q->calling, own->count, stamp, clock, arena);
   if ((PyErr_Occurred() == NULL) && q->decides && all_well(q, own->count, stamp, clock)) {
