@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -78,7 +78,11 @@ class Sources:
             for link in unknown_requirements(self.compiled, self.root)
             if (link.span.file.path, link.span.line, link.span.column) not in seen
         )
-        wrong = [_finding(item) for item in (*self.found, *loose) if item.level == "error"]
+        wrong = [
+            _finding(item, self.compiled.spec.signals)
+            for item in (*self.found, *loose)
+            if item.level == "error"
+        ]
         wrong += self._invented()
         inputs = {
             shown: evidence.run_inputs(
@@ -250,8 +254,8 @@ def kept_runs(project: Project) -> dict[str, str]:
     return {str(scenario.path): str(scenario.kept) for scenario in project.scenarios if scenario.kept}
 
 
-def _finding(item: Diagnostic) -> Finding:
-    """A diagnostic of a spec as a finding of the matrix."""
+def _finding(item: Diagnostic, signals: Container[str]) -> Finding:
+    """A diagnostic of a spec as a finding of the matrix. signals: those that there are, so that none of them is what is missed."""
     from trackmarshal.trace import Finding, Place
 
     span = item.span
@@ -267,7 +271,7 @@ def _finding(item: Diagnostic) -> Finding:
             subject = name
             module = _MODULE.search(before)
             names += [] if module is None else [f"{module[1]}.{name}"]  # as parameters and tables are called
-    if span.text.replace("-", "_").isidentifier():  # such as what there is not
+    if span.text.replace("-", "_").isidentifier() and span.text not in signals:  # such as what there is not
         names.append(span.text)
     place = Place(span.file.path, span.line, span.column)
     return Finding(

@@ -8,6 +8,8 @@ S, C, B, N = "specs/rules.spec", "specs/vehicle.spec", "specs/order.spec", "spec
 
 # fmt: off
 FAULTS = [
+    Fault("a use of signals struck", swap(S, "use signals\n", ""), "E201", "free_ahead"),
+    Fault("a use of values struck", swap(S, "use vehicle\n", ""), "E201", "free_ahead"),
     # rules
     Fault("a rule taken away with its tests", all_of(cut(S, "rule braking", "rule keeps_clear"), cut(S, 'test braking "as hard', "test keeps_clear"), swap(B, " > braking", "")), "T222", "braking"),
     Fault("a rule taken away", cut(S, "rule braking", "rule keeps_clear"), "T222", "braking"),
