@@ -184,9 +184,13 @@ def default_spec(project: Path) -> Path:
 
 
 class Known:
-    """What recordings of one project share: evaluators, by all that they are made of, and compiled specs, by their paths and the project."""
+    """What recordings of one project share: evaluators, by all that they are made of, and compiled specs, by their paths and the project.
 
-    def __init__(self) -> None:
+    before: specs that have been compiled already, of which those may use the same modules.
+    """
+
+    def __init__(self, before: Compiled | None = None) -> None:
+        self._before = before
         self.evaluators: dict[object, Evaluator] = {}
         self._compiled: dict[object, Compiled] = {}
 
@@ -196,7 +200,7 @@ class Known:
 
         found = self._compiled.get((paths, project))
         if found is None:
-            found = self._compiled[paths, project] = compile_paths(paths, project)
+            found = self._compiled[paths, project] = compile_paths(paths, project, self._before)
         return found
 
 

@@ -62,7 +62,7 @@ class Sources:
         self.broken = any(item.level == "error" for item in self.found)
         self.meaning = Meaning(self.compiled.spec)
         self.distances = distances(project)
-        self._shared = Known()
+        self._shared = Known(self.compiled)
         #: By scenario, the hash of the files that it names.
         self._named: dict[str, str] = {}
 

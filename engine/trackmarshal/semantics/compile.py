@@ -6,7 +6,7 @@ import hashlib
 import math
 from collections.abc import Iterable
 from contextlib import suppress
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 from typing import NoReturn, TypeGuard, TypeVar
 
@@ -28,6 +28,7 @@ from trackmarshal.ir.spec import (
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.again import Before
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal_problem, settled
@@ -80,6 +81,8 @@ class Compiled(Node):
     expressions: Expressions
     found: tuple[Diagnostic, ...]
     failures: tuple[TrackmarshalError, ...]
+    #: What made the numbers of its rules.
+    interner: ir.Interner
 
     @property
     def errors(self) -> list[Diagnostic]:
@@ -97,11 +100,16 @@ class Compiled(Node):
         return [i for n in self.order for i in self.library.modules[n].tree.items if isinstance(i, ast.Test)]
 
 
-def compile_paths(paths: Iterable[Path], shown_from: Path | None = None) -> Compiled:
-    """Load and compile files and folders with all that they use; never raises for what is wrong with them."""
+def compile_paths(
+    paths: Iterable[Path], shown_from: Path | None = None, before: Compiled | None = None
+) -> Compiled:
+    """Load and compile files and folders with all that they use; never raises for what is wrong with them.
+
+    before: what was compiled with some of the same modules; their rules are taken from there where all that they rest on is the same.
+    """
     library = Library(shown_from)
     asked = library.load(paths)
-    return _Compiler(library, asked).run()
+    return _Compiler(library, asked, before).run()
 
 
 def compile_text(text: str, shown_from: Path | None = None, folder: Path | None = None) -> Compiled:
@@ -112,7 +120,8 @@ def compile_text(text: str, shown_from: Path | None = None, folder: Path | None 
 
 
 class _Compiler:
-    def __init__(self, library: Library, asked: tuple[str, ...]) -> None:
+    def __init__(self, library: Library, asked: tuple[str, ...], before: Compiled | None = None) -> None:
+        self._compiled_before = before
         self.library = library
         self.asked = asked
         self.order = library.order(asked)
@@ -127,7 +136,8 @@ class _Compiler:
         self.scaled: dict[str, tuple[float, ast.Scale]] = {}
         self.places: dict[str, PlaceInfo] = {}
         self.constraints: list[ConstraintInfo] = []
-        self.interner = ir.Interner()
+        # Rules that are taken from there share their numbers with those that are made here.
+        self.interner = ir.Interner() if before is None else before.interner
         self.x = Expressions(self.signals, self.found)
         self.x.bounds = Bounds(self.signals, self.params)
         self.scopes = self.x.scopes
@@ -196,7 +206,16 @@ class _Compiler:
             self.x,
             found,
             tuple(self.library.failures),
+            self.interner,
         )
+
+    @cached_property
+    def _before(self) -> Before:
+        """What is known of these modules already; asked for once everything is declared that rules may read."""
+        wrong = self.found or self.library.failures
+        return Before(
+            None if wrong else self._compiled_before, self.library, self.order, self.signals, self.events, self.x.courses, self.x.scales
+        )  # fmt: skip
 
     def _items(self, *kinds: type[ast.Item]) -> list[ast.Item]:  # type: ignore[explicit-any, unused-ignore]
         return [
@@ -602,6 +621,8 @@ class _Compiler:
             self.x.fail(BackwardStretch(numbers[1].span, line.span, in_full(start, "m"), in_full(end, "m")))
 
     def _definitions(self, module: str) -> None:
+        if module in self._before.modules:
+            return
         # A definition may use the rule's timeline: check it with one at hand.
         ctx = self._context(module).bind({}, 1, any_timeline(NOWHERE))
         for item in self._own(module, ast.Define):
@@ -669,7 +690,9 @@ class _Compiler:
                     self.found.append(
                         Duplicate(item.span.head, first[item.name].__dict__["span"].head, kind, item.name)
                     )
-                rule = RuleBuilder(self.x, self._context(module), self.interner).build(item, assumptions)
+                rule = self._before.rule(module, item.name, assumptions)
+                if rule is None:
+                    rule = RuleBuilder(self.x, self._context(module), self.interner).build(item, assumptions)
                 if rule is not None and item.name not in first:
                     rules.append(rule)
                 first.setdefault(item.name, item)

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from weakref import WeakValueDictionary
 
 import trackmarshal.prelude
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
@@ -153,7 +154,7 @@ class Library:
         except TrackmarshalError as error:
             self.failures.append(error)
             return None
-        tree, found = parse_kept(file)
+        tree, found = _parsed(file)
         self.found += found
         names = [item for item in tree.items if isinstance(item, ast.ModuleName)]
         top = Span(file, 0, min(len(file.text), 1))
@@ -205,6 +206,21 @@ class Library:
                     use.span, problem, "a module `a.b` lives in a/b.spec", _named(found.tree, use.span)
                 )
             )
+
+
+#: Trees without any finding, by path and text, as long as somebody has them: specs of one project use the same modules.
+_TREES: WeakValueDictionary[tuple[str, str], ast.Module] = WeakValueDictionary()
+
+
+def _parsed(file: SourceFile) -> tuple[ast.Module, list[Diagnostic]]:
+    """The tree of a file, and what is wrong with its syntax; trees are immutable, so that one is enough for all who read the same."""
+    known = _TREES.get((file.path, file.text))
+    if known is not None:
+        return known, []
+    tree, found = parse_kept(file)
+    if not found:
+        _TREES[file.path, file.text] = tree
+    return tree, found
 
 
 _DECLARED = re.compile(r"^([A-Za-z_]\w*)[ \t]+([^\W\d][\w.-]*)", re.MULTILINE)
