@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.ir.spec import Spec
     from trackmarshal.meaning import Meaning
-    from trackmarshal.runtime.verdict import CaseResult
+    from trackmarshal.runtime.verdict import Said
     from trackmarshal.scenarios.labels import Label
     from trackmarshal.scenarios.replay import Replay
     from trackmarshal.testing.boundary import Distances
@@ -202,26 +202,27 @@ def run_summary(
     from trackmarshal.scenarios.overrides import overrides
 
     inputs = run_inputs(evaluator, source_hash, named)
-    facts = []
+    facts, candidates = [], outcome.candidates
     truth_of = outcome.recording.ground_truth
     for rule in evaluator.rules:
         by = judged_by(rule, evaluator.spec, outcome.recording)
-        truths_of = {name: truth_of[name] for name in by if name in truth_of}
-        due = 0
-        counts: dict[str, Counter[str]] = {}
-        first = None
-        for number, cycle in enumerate(outcome.cycles):
-            due += any(
-                truth[number] is False and "violated" in _verdicts(cycle.results, rule.name, label(name))
-                for name, truth in truths_of.items()
-            )
-            for candidate, result in cycle.results.items():
-                verdict = result.said(rule.name).verdict
-                counts.setdefault(candidate, Counter())[verdict] += 1
-                if verdict == "violated" and first is None:
-                    first = cycle.t
-        by_candidate = {candidate: dict(number) for candidate, number in counts.items()}
-        facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], by_candidate, first, due))
+        rated = {name: outcome.said(name, rule.name) for name in candidates}
+        due = {
+            number
+            for name in by
+            for candidate, each in rated.items()
+            if name in truth_of and _is_about(label(name), candidate)
+            for number, (truth, one) in enumerate(zip(truth_of[name], each))
+            if truth is False and _violated(one)
+        }
+        counts = {
+            name: dict(Counter(one.verdict for one in each if one is not None))
+            for name, each in rated.items()
+        }
+        first = next(
+            (c.t for c, *found in zip(outcome.cycles, *rated.values()) if any(map(_violated, found))), None
+        )
+        facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first, len(due)))
     truths = {}
     for judged in outcome.truths:
         said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in judged.missed]
@@ -247,10 +248,13 @@ def run_summary(
     )
 
 
-def _verdicts(results: Mapping[str, CaseResult], rule: str, about: Label | None) -> set[str]:
-    """The verdicts of a rule on the candidates that a truth judges."""
-    of = "" if about is None else about.candidate
-    return {result.said(rule).verdict for name, result in results.items() if of in ("", name)}
+def _violated(said: Said | None) -> bool:
+    return said is not None and said.verdict == "violated"
+
+
+def _is_about(truth: Label | None, candidate: str) -> bool:
+    """Whether a truth judges a candidate."""
+    return truth is None or truth.candidate in ("", candidate)
 
 
 def write_run(folder: Path, outcome: Replay, evaluator: Evaluator, lines: Sequence[str]) -> None:

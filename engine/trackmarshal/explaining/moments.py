@@ -39,13 +39,10 @@ def told_moments(replay: Replay, evaluator: Evaluator) -> list[dict[str, Any]]:
     it has not.
     """
     run = _Run(replay, evaluator)
-    found = []
+    found, candidates = [], replay.candidates
     for place, rule in enumerate(evaluator.rules):
-        for candidate in dict.fromkeys(name for cycle in replay.cycles for name in cycle.results):
-            results = [
-                cycle.results[candidate].said(rule.name) if candidate in cycle.results else None
-                for cycle in replay.cycles
-            ]
+        for candidate in candidates:
+            results = replay.said(candidate, rule.name)
             numbers = chosen(results, remembers(rule))
             told = {str(number): run.lines(place, rule, candidate, number) for number in numbers}
             unsafe = sum(result is not None and result.fired for result in results)
@@ -73,10 +70,11 @@ def chosen(results: Sequence[RuleResult | Said | None], remembering: bool) -> li
         return sorted(_evenly(list(firsts), MOST_REMEMBERED))
     measured = [i for i, result in told.items() if result.verdict in ("satisfied", "violated")]
     least = [min(measured, key=lambda i: told[i].margin)] if measured else []
+    verdicts = {i: result.verdict for i, result in known.items()}
     changes = [
         i
-        for i, result in told.items()
-        if any(near in known and known[near].verdict != result.verdict for near in (i - 1, i + 1))
+        for i in told
+        if not verdicts.get(i - 1, verdicts[i]) == verdicts[i] == verdicts.get(i + 1, verdicts[i])
     ]
     wanted: dict[int, None] = {}
     for group in (least, list(firsts), changes, unsafe):

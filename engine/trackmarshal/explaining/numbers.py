@@ -57,6 +57,7 @@ def _parts(node: ir.Formula) -> tuple[tuple[ir.AnyNode, frozenset[int]], ...]:
     )
 
 
+@lru_cache(maxsize=4096)
 def _levels(part: ir.Num) -> frozenset[int]:
     """The levels of the variables that a number is of."""
     return frozenset(axis.level for axis in sets(part))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from trackmarshal.backends.over_run.history import recalled_of
 from trackmarshal.explaining.numbers import Env, kept_units, numbers
 from trackmarshal.explaining.scope import Alone, Cycle, InRun, why_inactive
 from trackmarshal.explaining.trail import Trail, at
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import own_unit
-from trackmarshal.ir.overrun import recalled
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.lowering.rules import levels_of
 from trackmarshal.runtime.verdict import About, RuleResult, Witness, decides
@@ -106,5 +106,5 @@ def _decided(
         lines.append("  decided at " + ", ".join(f"{name} = {index}" for name, index in binders.items()))
     if witness.span is not None:
         lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
-    kept = kept_units(rule) if recalled(node) else {}
+    kept = kept_units(rule) if recalled_of(node) else {}
     return lines + [f"    {text} = {shown}" for text, shown in numbers(node, env, values, rule.names, kept)]

@@ -14,7 +14,7 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
-from trackmarshal.runtime.verdict import CaseResult, RuleResult
+from trackmarshal.runtime.verdict import CaseResult, RuleResult, Said
 from trackmarshal.scenarios.labels import Label, judged_by, known, labels
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording, only
 from trackmarshal.scenarios.supervised import supervised
@@ -91,6 +91,24 @@ class Replay:
     unexpected: tuple[float, ...] = ()
     #: Rules of which the recording's ground truth was not meant: nobody declared one, and the generator does not know them.
     uncovered: tuple[str, ...] = ()
+    #: What `said` found, by candidate and rule: summary, record and what is told of a run ask for the same.
+    _said: dict[tuple[str, str], list[Said | None]] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
+
+    def said(self, candidate: str, rule: str) -> Sequence[Said | None]:
+        """Verdict and margin of a rule about a candidate in every cycle; None where it is not there."""
+        found = self._said.get((candidate, rule))
+        if found is None:
+            cases = (cycle.results.get(candidate) for cycle in self.cycles)
+            found = [None if case is None else case.said(rule) for case in cases]
+            self._said[candidate, rule] = found
+        return found
+
+    @property
+    def candidates(self) -> list[str]:
+        """Those that are there in a cycle."""
+        return list(dict.fromkeys(name for cycle in self.cycles for name in cycle.results))
 
     @property
     def met(self) -> bool:

@@ -150,7 +150,7 @@ def _rule(number: int, rule: RuleInfo, replay: Replay, evaluator: Evaluator) -> 
     by_candidate: dict[str, Any] = {}
     for name in CANDIDATES:
         whole = partial(_whole, replay, name, number, rule)
-        results = [c.results[name].said(rule.name) if name in c.results else None for c in replay.cycles]
+        results = replay.said(name, rule.name)
         if any(result is not None for result in results):
             by_candidate[name] = {
                 "verdict": "".join(ABSENT if r is None else LETTERS[r.verdict] for r in results),
@@ -193,11 +193,17 @@ def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[s
     shown: set[str] = set()
     if own and written <= {""}:
         return units, shown
-    decisive = _decisive(rule) if own and not remembers(rule) else None
-    for cycle in replay.cycles:
-        for name, case in cycle.results.items():
-            if decisive is not None and case.said(rule.name).verdict in DECIDED and decisive <= shown:
+    remembering = remembers(rule)
+    decisive = _decisive(rule) if own and not remembering else None
+    for name in replay.candidates:
+        for cycle, said in zip(replay.cycles, replay.said(name, rule.name)):
+            if said is None:
+                continue
+            if decisive is not None and said.verdict in DECIDED and decisive <= shown:
                 continue  # whatever decided it
+            if said.verdict == "inactive" and not remembering and name in cycle.explain:
+                units.add(rule.unit)  # nothing decided it
+                continue
             result = cycle.whole(name, number, rule.name)
             units.add(result.unit)
             if result.witness is not None:
