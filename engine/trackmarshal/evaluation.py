@@ -26,6 +26,7 @@ from trackmarshal.runtime.verdict import About, Briefly, CaseResult, RuleResult
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
     from trackmarshal.runs import WholeRun
+    from trackmarshal.runtime.door.cases import CasesReader
     from trackmarshal.semantics.compile import Compiled
     from trackmarshal.syntax import ast
 
@@ -79,7 +80,6 @@ class Evaluator:
         declared: Callable[[], frozenset[str]] = frozenset,
     ) -> None:  # fmt: skip
         from trackmarshal.backends.results import chosen_rules
-        from trackmarshal.runtime.door.cases import CasesReader
 
         if backend not in BACKENDS:
             help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"
@@ -105,8 +105,6 @@ class Evaluator:
             )
         self.asked = backend
         self.declared = cache(declared)
-        reads = {pair for rule in self.rules for pair in rule.reads}
-        self.reader = CasesReader(spec, reads, self.declared, self._broken, places_of(spec, self.rules))
         #: Columns that a case may leave out, without a default: what is swept along them is then swept straight.
         self._curvatures = frozenset(
             (name, column)
@@ -116,6 +114,14 @@ class Evaluator:
         self._straight: dict[Fields, Evaluator] = {}
         #: This one, and those of its rules that sweep straight: they evaluate with one backend.
         self._family = [self]
+
+    @cached_property
+    def reader(self) -> CasesReader:
+        """What reads cases for the rules."""
+        from trackmarshal.runtime.door.cases import CasesReader
+
+        reads = {pair for rule in self.rules for pair in rule.reads}
+        return CasesReader(self.spec, reads, self.declared, self._broken, places_of(self.spec, self.rules))
 
     def read(self, raw: object) -> Frame:
         """A case from plain data; raises TrackmarshalError."""

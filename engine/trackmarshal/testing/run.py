@@ -16,6 +16,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.records import not_on_it
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 from trackmarshal.testing.boundary import Distances, near
 from trackmarshal.testing.cases import PreparedTest
@@ -81,31 +82,38 @@ def run_tests(
     evaluators: dict[tuple[str, str], Evaluator] = {}
     for name, group in groupby(tests, lambda test: test.rule.name):
         together = list(group)
+        frames: Frames = {}
         problems = dict.fromkeys(range(len(together)), ("passed", ""))
         for backend in backends:
             left = [place for place, (outcome, _) in problems.items() if outcome == "passed"]
             key = (name, backend)
             if left and key not in evaluators:
                 evaluators[key] = Evaluator(spec, [name], backend)
-            found = _problems(evaluators[key], [together[place] for place in left]) if left else []
+            found = _problems(evaluators[key], [together[place] for place in left], frames) if left else []
             problems |= {
                 place: (outcome, f"{backend}: {message}" if message else "")
                 for place, (outcome, message) in zip(left, found, strict=True)
             }
         for test, (outcome, message) in zip(together, problems.values()):
             on_it = outcome == "passed" and near(test, spec, distances).narrow
-            yield Outcome(test, outcome, message, _unmoved(spec, test, distances) if on_it else "")
+            unmoved = _unmoved(spec, test, distances, frames) if on_it else ""
+            yield Outcome(test, outcome, message, unmoved)
 
 
-def _problems(evaluator: Evaluator, tests: Sequence[PreparedTest]) -> list[tuple[str, str]]:
+#: Cases as they were read, by the identity of their tests: what a rule reads is the same for all evaluators, and wherever its limits are.
+Frames = dict[int, Frame]
+
+
+def _problems(evaluator: Evaluator, tests: Sequence[PreparedTest], frames: Frames) -> list[tuple[str, str]]:
     """What becomes of tests of one rule: (passed, failed or error; why). Those of one cycle are evaluated together, if nothing is wrong with
     any of them."""
     try:
-        return [_compared(test, said) for test, said in zip(tests, _said(evaluator, tests), strict=True)]
+        said = _said(evaluator, tests, frames)
+        return [_compared(test, one) for test, one in zip(tests, said, strict=True)]
     except TrackmarshalError as error:
         if len(tests) == 1:
             return [("error", error.message)]
-    return [found for test in tests for found in _problems(evaluator, [test])]
+    return [found for test in tests for found in _problems(evaluator, [test], frames)]
 
 
 def _compared(test: PreparedTest, said: _Said) -> tuple[str, str]:
@@ -122,7 +130,7 @@ def _compared(test: PreparedTest, said: _Said) -> tuple[str, str]:
     return ("failed", problem) if problem else ("passed", "")
 
 
-def _unmoved(spec: Spec, test: PreparedTest, distances: Distances) -> str:
+def _unmoved(spec: Spec, test: PreparedTest, distances: Distances, frames: Frames) -> str:
     """Which way a rule's limits can be moved so that a test passes all the same; empty where it fails both ways.
 
     The reference alone is asked: what is looked for is whether the test could fail. `spec` reads data in SI.
@@ -132,19 +140,21 @@ def _unmoved(spec: Spec, test: PreparedTest, distances: Distances) -> str:
     held = [
         way
         for way, tried in zip(("looser", "stricter"), moves(formula))
-        if not any(_fails(spec, test, moved(formula, move, distances.of)) for move in tried)
+        if not any(_fails(spec, test, moved(formula, move, distances.of), frames) for move in tried)
     ]
     return " or ".join(held)
 
 
-def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula) -> bool:
+def _fails(spec: Spec, test: PreparedTest, formula: ir.Formula, frames: Frames) -> bool:
     """Whether a test fails where its rule is another formula. One that leaves it open, or undefined, shows nothing of a limit."""
     rule = RuleInfo(**{**test.rule.__dict__, "formula": formula})
     rules = tuple(rule if one.name == rule.name else one for one in spec.rules)
     evaluator = Evaluator(Spec(**{**spec.__dict__, "rules": rules}), [rule.name], "reference")
     other = PreparedTest(**{**test.__dict__, "rule": rule})
-    (said,) = _said(evaluator, [other])
-    return said.verdict in ("satisfied", "violated") and _compared(other, said)[0] == "failed"
+    (said,) = _said(evaluator, [other], {id(other): frames[id(test)]} if id(test) in frames else {})
+    if said.verdict not in ("satisfied", "violated"):
+        return False
+    return _differs(other, said) or _compared(other, said)[0] == "failed"
 
 
 class _Said(NamedTuple):
@@ -155,12 +165,14 @@ class _Said(NamedTuple):
     result: Callable[[], RuleResult]
 
 
-def _said(evaluator: Evaluator, tests: Sequence[PreparedTest]) -> list[_Said]:
+def _said(evaluator: Evaluator, tests: Sequence[PreparedTest], frames: Frames) -> list[_Said]:
     """What one rule says in the cases of its tests; of a rule over the run, in the last of each one's cycles."""
     if tests and remembers(tests[0].rule):
         results = [_over_run(evaluator, test) for test in tests]
         return [_Said(result.verdict, result.margin, partial(_itself, result)) for result in results]
-    judged = evaluator.judge_all([evaluator.read(test.case) for test in tests])
+    unread = [test for test in tests if id(test) not in frames]
+    frames |= zip(map(id, unread), evaluator.read_all([test.case for test in unread]))
+    judged = evaluator.judge_all([frames[id(test)] for test in tests])
     rated = [one for each in judged for one in each.rated.values()]
     return [
         _Said(VERDICTS[one.verdicts[0]], float(one.margins[0]), partial(one.explain, 0, False))
@@ -192,9 +204,14 @@ def _named(value: Any) -> Any:
 
 def _as_expected(test: PreparedTest, said: _Said) -> bool:
     """Whether nothing differs from what a test expects, as far as verdict and margin tell, where it expects no more than that."""
-    if test.unit is not None or test.binder is not None or said.verdict != test.verdict:
-        return False
-    return test.margin is None or _close(said.margin, test.margin, test.tolerance)
+    return test.unit is None and test.binder is None and not _differs(test, said)
+
+
+def _differs(test: PreparedTest, said: _Said) -> bool:
+    """Whether verdict or margin are others than a test expects: whatever decided them, it fails."""
+    if said.verdict != test.verdict:
+        return True
+    return test.margin is not None and not _close(said.margin, test.margin, test.tolerance)
 
 
 def mismatch(test: PreparedTest, result: RuleResult) -> str:
