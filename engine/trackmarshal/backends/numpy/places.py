@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 KEPT = 32
 #: So many swept footprints are worth a search for those that need not be looked at closely.
 MANY = 400
+#: So many cases are asked by themselves for all their margins, before those of all are worked out.
+ASKED = 4
 #: With more cases than this it is worth looking for those that are like the one before.
 FEW_CASES = 16
 _prepared: OrderedDict[tuple[Any, ...], tuple[Any, Any]] = OrderedDict()
@@ -76,14 +78,24 @@ def _sides(margin: Any) -> tuple[Any, Any]:
 class Least:
     """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
 
-    def __init__(self, exactly: Callable[[], Any]) -> None:
-        """`exactly` gives all margins."""
-        self._exactly = exactly
+    def __init__(self, exactly: Callable[[], Any], alone: Callable[[int], tuple[Any, Any]]) -> None:
+        """`exactly` gives all margins, `alone` the worst and the best ones of a single case."""
+        self._exactly, self._alone = exactly, alone
+        self._asked: dict[int, logic.Value] = {}
 
     @cached_property
     def value(self) -> logic.Value:
         """The predicate's value everywhere; worked out when first asked for."""
         return logic.value(*_sides(self._exactly()), logic.AT_LEAST)
+
+    def about(self, case: int) -> logic.Value:
+        """The predicate's value in a case, or everywhere, once some have been asked for: of a long run mostly the worst cycle is."""
+        if case not in self._asked and len(self._asked) >= ASKED:
+            return self.value
+        found = self._asked.get(case)
+        if found is None:
+            found = self._asked[case] = logic.value(*self._alone(case), logic.AT_LEAST)
+        return found
 
 
 def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tuple[Any, Any, Least | None]:
@@ -112,7 +124,14 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
         )
         return _settled(owners, made, args)
 
-    return (*_sides(margin), Least(exactly))
+    def alone(case: int) -> tuple[Any, Any]:
+        rows = (
+            arg[case : case + 1] if arg.shape[:1] == shape[:1] and arg.ndim == len(shape) else arg
+            for arg in args
+        )
+        return swept_inside(batch, area, *rows)
+
+    return (*_sides(margin), Least(exactly, alone))
 
 
 def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:

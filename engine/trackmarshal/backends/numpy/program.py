@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,11 @@ _SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = (
 )
 
 
+#: What a batch has that no case changes, and the rest of a batch.
+Fixed = Callable[[Batch], tuple[Any, ...]]
+Varying = Callable[[Batch, Any], tuple[Any, ...]]
+
+
 class NumpyProgram(Stateless):
     """The compiled rules; `run` evaluates them on a batch of frames."""
 
@@ -36,8 +41,7 @@ class NumpyProgram(Stateless):
         self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
         formulas = [rule.formula for rule in self.rules if rule.formula is not None]
         ranges = [rule.active for rule in self.rules if rule.active is not None]
-        self.code = Code([*formulas, *leaves], ranges)
-        self._fixed, self._varying = self.code.functions()
+        self.code, self._fixed, self._varying = _compiled((*formulas, *leaves), tuple(ranges))
         outputs = {name: place for place, name in enumerate(self.code.outputs)}
         #: By formula: what its margins say, and where they and whether it holds are among the values of a run.
         self.places = {
@@ -92,6 +96,15 @@ class NumpyProgram(Stateless):
 
     def _batch(self, cases: Sequence[Frame]) -> Batch:
         return Batch(self.spec, cases, self.code.rank, self._tables)
+
+
+@lru_cache(maxsize=64)
+def _compiled(
+    formulas: tuple[ir.Formula, ...], ranges: tuple[ir.Formula, ...]
+) -> tuple[Code, Fixed, Varying]:
+    """Code and its functions, which are those of its formulas alone: specs that differ by values have the same."""
+    code = Code(formulas, ranges)
+    return code, *code.functions()
 
 
 def _without_axes(value: Any) -> Any:

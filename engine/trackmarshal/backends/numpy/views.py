@@ -85,7 +85,8 @@ class CaseView:
             value, size = self._of(node), self._run.batch.size
             worst = Reading(value.worst, size)
             made = worst, worst if value.best is value.worst else Reading(value.best, size)
-            self._run.readings[node] = made
+            if self._least(node) is None:  # else it may be of this case alone
+                self._run.readings[node] = made
         bound = made[0].at(self._index, env)
         return Truth(bound, bound if made[1] is made[0] else made[1].at(self._index, env))
 
@@ -93,10 +94,14 @@ class CaseView:
         return self._run.recalled(node, kept, self._index).truth(node, env)
 
     def _of(self, node: ir.Formula) -> Value:
-        """The value of a formula, also where the run has only done what its verdict takes."""
+        """The value of a formula, also where the run has only done what its verdict takes: of this case, or of all."""
+        least = self._least(node)
+        return self._run.of(node) if least is None else least.about(self._index)
+
+    def _least(self, node: ir.Formula) -> places.Least | None:
+        """What knows all margins of a formula, where the run has only worked out the least."""
         place = self._run.program.code.least.get(node)
-        least: places.Least | None = None if place is None else self._run._values[place]
-        return self._run.of(node) if least is None else least.value
+        return None if place is None else self._run._values[place]
 
     def _place(self, array: Any, env: dict[int, int]) -> list[Any]:
         """Where in an array the case has its value; empty for an array without axes, which has one value for all."""
