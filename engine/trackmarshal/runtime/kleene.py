@@ -23,11 +23,13 @@ def known(sat: bool, margin: float) -> Truth:
 
 
 def least(a: Bound, b: Bound) -> Bound:
-    return Bound(a.sat and b.sat, min(a.margin, b.margin))
+    low, sat = b if b.margin < a.margin else a, a.sat and b.sat
+    return low if low.sat == sat else Bound(sat, low.margin)
 
 
 def greatest(a: Bound, b: Bound) -> Bound:
-    return Bound(a.sat or b.sat, max(a.margin, b.margin))
+    high, sat = b if b.margin > a.margin else a, a.sat or b.sat
+    return high if high.sat == sat else Bound(sat, high.margin)
 
 
 def negate(a: Truth) -> Truth:

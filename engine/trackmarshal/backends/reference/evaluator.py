@@ -38,7 +38,7 @@ from trackmarshal.runtime.verdict import Bound, Truth
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
 #: Numbers that are as quickly read again as looked up.
-_READ_AT_ONCE = (ir.Param, ir.Column, ir.Sample, ir.Scalar)
+_READ_AT_ONCE = (ir.Param, ir.Sample, ir.Scalar)
 
 
 #: What `levels` found, as long as a node is there.
@@ -69,6 +69,8 @@ class Reference:
         self._series: dict[tuple[ir.Timed, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[ir.Line, geometry.Line] = {}
         self._regions: dict[ir.Area, geometry.Region | str] = {}
+        #: Where columns are read: the numbers, the level of their axis, and how many places further.
+        self._columns: dict[ir.Column, tuple[list[float], int, int]] = {}
         #: Of numbers: the levels that they read, and what they were for what stood there.
         self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float]]] = {}
         self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
@@ -77,10 +79,13 @@ class Reference:
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
-        if isinstance(node, ir.Const):
-            return node.value
-        if type(node) in _READ_AT_ONCE:
-            return self._number(node, env)
+        if isinstance(node, ir.Column):
+            return self._read(node, env)
+        if not isinstance(node, ir.Arith):  # of which there is most
+            if isinstance(node, ir.Const):
+                return node.value
+            if type(node) in _READ_AT_ONCE:
+                return self._number(node, env)
         known = self._numbers.get(node)
         if known is None:
             known = self._numbers[node] = (tuple(levels(node)), {})
@@ -98,8 +103,7 @@ class Reference:
             case ir.Arith():
                 return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
             case ir.Column():
-                column = self.frame.columns[node.axis.signal].listed(node.field)
-                return float(column[max(0, env[node.axis.level] + node.offset)])
+                return self._read(node, env)
             case ir.Const():
                 return node.value
             case ir.Param():
@@ -155,6 +159,16 @@ class Reference:
                 return self._fold(node, env)
             case _:
                 assert_never(node)
+
+    def _read(self, node: ir.Column, env: Env) -> float:
+        """The number of a sample or an element."""
+        found = self._columns.get(node)
+        if found is None:
+            listed = self.frame.columns[node.axis.signal].listed(node.field)
+            found = self._columns[node] = listed, node.axis.level, node.offset
+        column, level, offset = found
+        place = env[level] + offset
+        return column[place if place > 0 else 0]
 
     def _fold(self, node: ir.Fold, env: Env) -> float:
         """One number of all that is in range, element by element."""
