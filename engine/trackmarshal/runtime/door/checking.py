@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -172,14 +173,14 @@ class FrameChecker:
 
     def __init__(self, contract: Contract, limits: Limits | None = None) -> None:
         self.columns = {
-            s.name: ColumnsChecker(s, s.name, limits)
+            s.name: _checker(_Same(s), s.name, limits)
             for s in contract.signals
             if s.form not in (LINES, EVENT)
         }
         self.candidates = (
             {}
             if contract.plan is None
-            else {name: ColumnsChecker(contract.plan, name, limits) for name in (DRIVING, EMERGENCY)}
+            else {name: _checker(_Same(contract.plan), name, limits) for name in (DRIVING, EMERGENCY)}
         )
         self._lines = {
             (s.name, field.name): LineChecker(s.name, field, limits)
@@ -225,6 +226,25 @@ class FrameChecker:
         """Lanes, whatever else is wrong with their set: which of them can be used matters to all that read it."""
         for lanes in self._lanes.values():
             lanes.check(frame, faults)
+
+
+class _Same:
+    """A signal that is equal to itself alone: to compare all that it says would take longer than to make what checks it."""
+
+    def __init__(self, signal: Signal) -> None:
+        self.signal = signal
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.signal is other.signal
+
+    def __hash__(self) -> int:
+        return object.__hash__(self.signal)
+
+
+@lru_cache(maxsize=128)
+def _checker(same: _Same, label: str, limits: Limits | None) -> ColumnsChecker:
+    """What checks a signal: it remembers nothing, so that all Supervisors of one contract have the same."""
+    return ColumnsChecker(same.signal, label, limits)
 
 
 def _together(fields: tuple[Field, ...]) -> list[_Together]:

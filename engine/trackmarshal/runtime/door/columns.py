@@ -86,6 +86,13 @@ class ColumnsReader:
                 found = None
             if found is not None:
                 return found
+        elif self.plain and type(raw) is list and self.signal.form == SET:
+            try:
+                found = self._elements(raw)
+            except Exception:  # the same
+                found = None
+            if found is not None:
+                return found
         before = len(faults)
         try:
             return self._closely(raw, faults)
@@ -198,6 +205,26 @@ class ColumnsReader:
         if not _FLOATS.issuperset(map(type, found)):
             return None
         return Columns(self.names, np.array(found).reshape(-1, 1))
+
+    def _elements(self, raw: list[Any]) -> Columns | None:
+        """Columns of elements that are alike, and have all numbers."""
+        width, names = len(self._numbers), tuple(raw[0]) if raw else self.names.numbers
+        if not self.known.issuperset(names) or any(
+            type(one) is not dict or tuple(one) != names for one in raw
+        ):
+            return None
+        listed = list(chain.from_iterable(map(self._pick, raw)))
+        if not {float}.issuperset(map(type, listed)):
+            return None
+        ids: tuple[str, ...] | None = self._counted(len(raw))
+        if "id" in names:
+            ids = self.ids_of({"id": [one["id"] for one in raw]}, len(raw))
+        elif raw and self.signal.named:
+            return None
+        if ids is None:
+            return None
+        numbers = np.array(listed, dtype=np.float64).reshape(len(raw), width).T
+        return Columns(self.names, np.ascontiguousarray(numbers), None, ids)
 
     def _counted(self, count: int) -> tuple[str, ...]:
         return tuple(map(str, range(count))) if self.signal.form == SET else ()
