@@ -26,21 +26,10 @@ def read(data: bytes, shown: str) -> Item:
         raise TrackmarshalError("D124", message, file=shown, help="is this a declaration?")
     text = content.text(data, shown)
     try:
-        # Events first: aliases, tags and depth are refused before anything is built of them.
-        depth = 0
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            message = ""
-            if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
-                message = "anchors and aliases are not read"
-            elif getattr(event, "tag", None) is not None:
-                message = "tags are not read"
-            elif depth > MAX_DEPTH:
-                message = "nested too deeply"
-            if message:
-                line = None if event.start_mark is None else event.start_mark.line + 1
-                raise TrackmarshalError("D150", message, file=shown, line=line, help=_PLAIN)
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
+        try:
+            node = _composed(text, shown, yaml.CSafeLoader)
+        except yaml.YAMLError:  # the parser in Python says more of what is wrong
+            node = _composed(text, shown, yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = None if mark is None else mark.line + 1
@@ -54,6 +43,27 @@ def read(data: bytes, shown: str) -> Item:
     if node is None:
         raise TrackmarshalError("D126", "the document is empty", file=shown, line=1, help="was it cut off?")
     return Item(node, "", shown)
+
+
+def _composed(text: str, shown: str, loader: Any) -> Any:
+    """The root of the one document of a text, or None; raises D150, and errors of yaml."""
+    import yaml
+
+    # Events first: aliases, tags and depth are refused before anything is built of them.
+    depth = 0
+    for event in yaml.parse(text, Loader=loader):
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        message = ""
+        if isinstance(event, yaml.AliasEvent) or getattr(event, "anchor", None) is not None:
+            message = "anchors and aliases are not read"
+        elif getattr(event, "tag", None) is not None:
+            message = "tags are not read"
+        elif depth > MAX_DEPTH:
+            message = "nested too deeply"
+        if message:
+            line = None if event.start_mark is None else event.start_mark.line + 1
+            raise TrackmarshalError("D150", message, file=shown, line=line, help=_PLAIN)
+    return yaml.compose(text, Loader=loader)
 
 
 class Item:
