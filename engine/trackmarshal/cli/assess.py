@@ -57,9 +57,10 @@ def _assessed(args: argparse.Namespace) -> int:
     drawn = Drawn(root, key(state, made.results) if state and not found else "")
     matrix = made.matrix()
     target.mkdir(parents=True, exist_ok=True)
-    for format_ in ("json", "csv", "md"):
-        (target / f"matrix.{format_}").write_text(trace.render(matrix, format_), encoding="utf-8")
-    summary = json.loads(trace.render(matrix, "json"))
+    texts = {format_: trace.render(matrix, format_) for format_ in ("json", "csv", "md")}
+    for format_, text in texts.items():
+        (target / f"matrix.{format_}").write_text(text, encoding="utf-8")
+    summary = json.loads(texts["json"])
     pages = dict(
         zip((run_.scenario for run_ in shown.runs), page_addresses([run_.record for run_ in shown.runs]))
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 #: After how many more objects than were freed the youngest are looked at, and after how many such looks the older ones are.
-_SELDOM = (500_000, 20, 50)
+_SELDOM = (2_000_000, 20, 50)
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Sequence
 from functools import cache as once
 from importlib.metadata import version
@@ -50,10 +51,11 @@ def drawing() -> str:
 
     here = Path(trackmarshal.trace.__file__).parent
     digest = hashlib.sha256(" ".join(version(name) for name in ("jinja2", "markupsafe")).encode())
-    for path in sorted(here.rglob("*")):
-        if path.suffix != ".pyc" and path.is_file():
-            held = hashlib.sha256(path.read_bytes()).digest()
-            digest.update(path.relative_to(here).as_posix().encode() + b"\0" + held)
+    files = (os.path.join(folder, name) for folder, _, names in os.walk(here) for name in names)
+    for file in sorted(files):
+        if not file.endswith(".pyc"):
+            held = hashlib.sha256(Path(file).read_bytes()).digest()
+            digest.update(os.path.relpath(file, here).encode() + b"\0" + held)
     return digest.hexdigest()
 
 

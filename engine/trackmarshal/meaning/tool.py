@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
+from collections.abc import Iterable
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,7 +22,7 @@ _KINDS = (".py", ".spec", ".lark", ".c", ".h", ".j2")
 @cache
 def tool() -> str:
     """`trackmarshal VERSION HASH`, the hash being that of the sources of what reads and evaluates rules, and of numpy's version."""
-    return f"trackmarshal {__version__} {_sources(HERE, _NO_PART)[:16]}"
+    return f"trackmarshal {__version__} {_sources(_own(HERE), _NO_PART)[:16]}"
 
 
 def tool_of(folder: Path) -> str:
@@ -29,13 +31,13 @@ def tool_of(folder: Path) -> str:
         version = re.search(r'^__version__ = "([^"]*)"$', (folder / "__init__.py").read_text("utf-8"), re.M)
     except (OSError, ValueError):
         return ""
-    return f"trackmarshal {version[1]} {_sources(folder, _NO_PART)[:16]}" if version else ""
+    return f"trackmarshal {version[1]} {_sources(_hashes(folder), _NO_PART)[:16]}" if version else ""
 
 
 @cache
 def whole() -> str:
     """The hash of the sources of all of it, what reads projects included, and of numpy's version."""
-    return _sources(HERE, ())
+    return _sources(_own(HERE), ())
 
 
 def _numpy() -> bytes:
@@ -46,10 +48,27 @@ def _numpy() -> bytes:
     return Path(found.origin).with_name("version.py").read_bytes()
 
 
-def _sources(root: Path, without: tuple[str, ...]) -> str:
+def _sources(hashes: Iterable[tuple[tuple[str, ...], bytes]], without: tuple[str, ...]) -> str:
     digest = hashlib.sha256(_numpy())
-    for path in sorted(root.rglob("*")):
-        shown = path.relative_to(root)
-        if path.suffix in _KINDS and shown.parts[0] not in without:
-            digest.update(shown.as_posix().encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    for parts, hashed in hashes:
+        if parts[0] not in without:
+            digest.update("/".join(parts).encode() + b"\0" + hashed)
     return digest.hexdigest()
+
+
+def _hashes(root: Path) -> list[tuple[tuple[str, ...], bytes]]:
+    """The sources below a folder, each by the parts of its path from there, in order, with its hash."""
+    found = []
+    for folder, _, names in os.walk(root):
+        within = Path(folder).relative_to(root).parts
+        for name in names:
+            if name.endswith(_KINDS):
+                with open(os.path.join(folder, name), "rb") as file:
+                    found.append(((*within, name), hashlib.sha256(file.read()).digest()))
+    return sorted(found)
+
+
+@cache
+def _own(here: Path) -> list[tuple[tuple[str, ...], bytes]]:
+    """Those of this program, which are read once."""
+    return _hashes(here)

@@ -41,14 +41,11 @@ def road(run: Run, view: View) -> Iterator[str]:
 def _visible(line: Sequence[Point], view: View) -> Iterator[list[Point]]:
     """The pieces of a line whose segments may be in the picture, or near it: the surface between them must fill its corners."""
     room = max(view.width, view.height)
+    least, right, low = -room, view.width + room, view.height + room
     piece: list[Point] = []
     for a, b in itertools.pairwise(line):
-        apart = (
-            max(a[0], b[0]) < -room
-            or min(a[0], b[0]) > view.width + room
-            or max(a[1], b[1]) < -room
-            or min(a[1], b[1]) > view.height + room
-        )
+        (ax, ay), (bx, by) = a, b
+        apart = ax < least > bx or ax > right < bx or ay < least > by or ay > low < by
         if not apart:
             piece = piece or [a]
             piece.append(b)
