@@ -58,8 +58,8 @@ def test_no_test_passes_by_an_explanation_of_something_else(
     assert [one.outcome for one in run_tests(compiled.spec, tests)] == ["passed", "passed"]
     whole = run._said
 
-    def first(evaluator: Evaluator, asked: Any) -> Any:
-        said = whole(evaluator, asked)
+    def first(evaluator: Evaluator, asked: Any, frames: Any) -> Any:
+        said = whole(evaluator, asked, frames)
         return [one._replace(verdict="satisfied", margin=1.0) for one in said]
 
     monkeypatch.setattr(run, "_said", first)

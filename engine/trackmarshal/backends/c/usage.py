@@ -166,14 +166,14 @@ class Usage:
         self.ambiguous = {node for node, name in names.items() if several[name] > 1}
 
     def only_in(self, roots: Iterable[Value]) -> frozenset[Value]:
-        """The nodes in some, these among them, that are read for them alone."""
+        """The nodes in some, these among them, that are read for them alone. Of what was made beside the rules that is not known."""
         found: set[Value] = set()
         read: Counter[Value] = Counter()
         stack = list(roots)
         while stack:
             node = stack.pop()
             read[node] += 1
-            if read[node] == self.readers[node]:
+            if read[node] == self.readers.get(node):
                 found.add(node)
                 stack += self._facts.operands(node)
         return frozenset(found)
