@@ -18,7 +18,7 @@ from trackmarshal.supervision import box_of, nearest, rerun
 pytestmark = pytest.mark.verifies("S-1-B-1")
 
 #: Runs that `make test` kills; `make acceptance` kills 200.
-KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "5"))
+KILLS = int(os.environ.get("TRACKMARSHAL_KILLS", "3"))
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork and SIGKILL")

@@ -10,6 +10,7 @@ import pytest
 
 from support.command import number
 from support.formulas import spell
+from support.length import amount
 from support.shared import oracle
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
@@ -24,7 +25,7 @@ from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 ENGINES = ("reference", "numpy")
 Entry = dict[str, Any]
 #: The most cycles of a trace, and more than any formula looks ahead.
-LONGEST, REACH = 300, 20
+LONGEST, REACH = amount(150, 300), 20
 
 
 def spec_of(entry: Entry) -> str:
@@ -66,7 +67,7 @@ def bounded(entry: Entry) -> bool:
 
 @pytest.mark.parametrize(
     ("engine", "every"),
-    [("reference", 5), ("numpy", 5), ("c", 15)]
+    [("reference", 10), ("numpy", 8), ("c", 30)]
     + [pytest.param(engine, 1, marks=pytest.mark.acceptance) for engine in (*ENGINES, "c")],
 )
 def test_robustness(engine: str, every: int) -> None:
@@ -104,7 +105,7 @@ def test_verdicts(engine: str) -> None:
             assert said[k][-1].verdict == ("satisfied" if holds else "violated"), (entry["text"], k)
 
 
-@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.acceptance)])
+@pytest.mark.parametrize("every", [12, pytest.param(1, marks=pytest.mark.acceptance)])
 def test_generated_c(every: int) -> None:
     """Of the formulas that look back alone, what generated C says in each cycle."""
     entries = [entry for entry in oracle("stl_dev.json")["entries"] if entry["past_only"]][::every]
@@ -141,7 +142,7 @@ def recorded(entry: Entry, backend: str, path: Path) -> tuple[Run, Spec]:
 
 @pytest.mark.parametrize(
     ("backend", "every"),
-    [("numpy", 6), ("reference", 12), ("c", 15)]
+    [("numpy", 12), ("reference", 20), ("c", 30)]
     + [pytest.param(backend, 1, marks=pytest.mark.acceptance) for backend in (*ENGINES, "c")],
 )
 def test_from_the_middle_of_a_record(backend: str, every: int, tmp_path: Path) -> None:

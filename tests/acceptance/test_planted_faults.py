@@ -1,6 +1,6 @@
 """Faults that are planted into a small complete project are found, each as one cause; edits that mean nothing are not.
 
-One in five is planted every day, all of them at length.
+One in ten is planted every day, all of them at length.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def test_as_it_is_the_gate_passes(project: Path) -> None:
     assert judged(project, rerun=True) == (0, [])
 
 
-@pytest.mark.parametrize("fault", shared_out(FAULTS, 5), ids=lambda fault: fault.name)
+@pytest.mark.parametrize("fault", shared_out(FAULTS, 10), ids=lambda fault: fault.name)
 def test_a_planted_fault_is_one_cause(fault: Fault, project: Path) -> None:
     fault.edit(project)
     status, found = judged(project, fault.rerun, fault.today)
@@ -66,7 +66,7 @@ def test_a_planted_fault_is_one_cause(fault: Fault, project: Path) -> None:
     assert status == fault.status
 
 
-@pytest.mark.parametrize("edit", shared_out(EDITS, 5), ids=lambda edit: edit.name)
+@pytest.mark.parametrize("edit", shared_out(EDITS, 10), ids=lambda edit: edit.name)
 def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
     """What is new is told as a note, since its removal would go unnoticed."""
     edit.edit(project)

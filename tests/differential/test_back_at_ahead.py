@@ -43,7 +43,7 @@ def formulas() -> list[str]:
     chosen = random.Random(7)
     nested = [outer.format(f"({inner.format(ahead)})") for outer in BACK for inner in BACK for ahead in AHEAD]
     return [back.format(ahead) for back in BACK for ahead in AHEAD] + chosen.sample(
-        nested, amount(12, len(nested))
+        nested, amount(6, len(nested))
     )
 
 

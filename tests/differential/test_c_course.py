@@ -19,7 +19,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 #: Rules of one program, so that not each needs a compiler.
 RULES = 10
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "4"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "3"))
 OTHERS = ("reference", "numpy")
 _SETTINGS = settings(
     derandomize=not AT_LENGTH, max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate],

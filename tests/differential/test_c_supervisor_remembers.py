@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from support.length import amount
 from support.pairs import Pair, generated
 from support.remembering import NAMES, NAMES_OF_PAIRS, remembering
 from trackmarshal.backends.c.build import compiler
@@ -17,8 +18,8 @@ from trackmarshal.evaluation import Evaluator
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 #: A tenth of those of the Supervisor whose rules remember nothing: each takes three times as long.
-RUNS = max(8, int(os.environ.get("TRACKMARSHAL_RUNS", "8")) // 10)
-PARTS = 4
+RUNS = max(amount(4, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 10)
+PARTS = amount(2, 4)
 
 
 @cache

@@ -85,7 +85,7 @@ KINDS = {
     "geometry": Kind(geometry=True, one_libm=not same_trigonometry()),
     "everything": Kind("any", geometry=True, one_libm=True),
 }
-GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "150"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "100"))
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -28,7 +28,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import About, RuleResult
 
 ROOT = Path(__file__).resolve().parents[2]
-INPUTS, EXPANDED = amount(40, 100), 20
+INPUTS, EXPANDED = amount(20, 100), 20
 #: Rules over the run are held against the first cycle of one: what state machines, counts and windows come to there.
 OVER_THE_RUN = ("R_G1", "R_I5", "one_move", "no_overtaking_under_yellow", "leaves_room")
 #: Not covered: nothing can have been won, or lost, or asked before, in the first cycle.

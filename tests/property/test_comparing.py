@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import trackmarshal as tm
+from support.length import amount
 from trackmarshal.comparing import EQUAL, MIXED, NOT_COMPARABLE, STRICTER, WEAKER
 from trackmarshal.comparing.changes import Column, changed
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS
@@ -46,7 +47,7 @@ def column(cells: list[tuple[tuple[str, float], tuple[str, float]]], turned: boo
 
 
 @given(cells=RUNS)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=amount(70, 200), deadline=None)
 def test_the_other_way_round_is_the_opposite(
     cells: list[tuple[tuple[str, float], tuple[str, float]]],
 ) -> None:
@@ -59,7 +60,7 @@ def test_the_other_way_round_is_the_opposite(
 
 
 @given(cells=RUNS)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=amount(70, 200), deadline=None)
 def test_the_word_is_what_it_says(cells: list[tuple[tuple[str, float], tuple[str, float]]]) -> None:
     """Cell by cell, in plain Python."""
     word = changed(RULE, RULE, [column(cells)]).word

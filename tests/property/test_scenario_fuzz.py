@@ -94,13 +94,13 @@ def check(read: Any, *arguments: Any) -> None:
 
 
 @given(mutants(ARCHIVES))
-@settings(max_examples=amount(100, 300), deadline=None)
+@settings(max_examples=amount(60, 300), deadline=None)
 def test_changed_archives(data: bytes) -> None:
     check(saa.read, data, "x.saa")
 
 
 @given(mutants([SCN.encode()]))
-@settings(max_examples=amount(66, 200), deadline=None)
+@settings(max_examples=amount(40, 200), deadline=None)
 def test_changed_texts_in_sound_archives(text: bytes) -> None:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as packed:
@@ -222,7 +222,7 @@ SAMPLE = "\n".join(
 
 
 @given(mutants([SAMPLE]))
-@settings(max_examples=amount(100, 300), deadline=None)
+@settings(max_examples=amount(60, 300), deadline=None)
 def test_changed_lines(data: bytes) -> None:
     check(recording_io.decode, data, "x.tmrec.jsonl")
 
@@ -232,7 +232,7 @@ def test_changed_lines(data: bytes) -> None:
     name=st.sampled_from(["x.gz", "x.saa", "x"]),
 )
 @settings(
-    max_examples=amount(50, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=amount(33, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_changed_files(tmp_path: Path, data: bytes, name: str) -> None:
     (tmp_path / name).write_bytes(data)
@@ -276,7 +276,7 @@ def test_the_crowded_declaration_is_sound(tmp_path: Path) -> None:
 
 @given(which=st.sampled_from(STARTS[1:]), data=st.data())
 @settings(
-    max_examples=amount(50, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=amount(33, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) -> None:
     text = STARTS[0] + data.draw(mutants([which]))

@@ -28,6 +28,7 @@ from support.generated import (
     laws,
     subject,
 )
+from support.length import amount, shared_out
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
 
@@ -35,8 +36,8 @@ BACKENDS = ("reference", "numpy")
 #: Of seeded ones, what each part has.
 SEEDS = int(os.environ.get("TRACKMARSHAL_SEEDS", "4"))
 #: Their examples are long, or cost several evaluations; seeded ones, which are cheaper, make up for it.
-few = settings(repeatable, max_examples=5)
-some = settings(repeatable, max_examples=20)
+few = settings(repeatable, max_examples=amount(3, 5))
+some = settings(repeatable, max_examples=amount(12, 20))
 both = pytest.mark.parametrize("backend", BACKENDS)
 Raw = dict[str, Any]
 
@@ -76,7 +77,7 @@ def test_laws_of_logic_and_time(backend: str, made: Laws) -> None:
 
 
 @both
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", shared_out(range(20), 2))
 def test_laws_of_logic_and_time_on_seeded_formulas(backend: str, seed: int) -> None:
     assert not broken_laws(laws(RandomChoices(seed)), backend)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple, cast
 
 from support.mathml import Parser, Tree, read
@@ -35,6 +36,24 @@ class Element(NamedTuple):
     place: int
 
 
+# Each formula is read once for all cases.
+
+
+@cache
+def _whole(mathml: str) -> Tree:
+    return Parser(read(mathml)).whole()
+
+
+@cache
+def _equation(mathml: str) -> tuple[Tree, str, Tree]:
+    return Parser(read(mathml)).equation()
+
+
+@cache
+def _quantified(mathml: str) -> Tree:
+    return Parser(read(mathml)).quantified(False)
+
+
 class Machinery:
     """One rule as printed (`data`), and one case in SI.
 
@@ -48,14 +67,14 @@ class Machinery:
         self.undefined = False
         self.functions: dict[str, tuple[list[str], Tree]] = {}
         for one in printed["definitions"]:
-            head, _, body = Parser(read(one["mathml"])).equation()
+            head, _, body = _equation(one["mathml"])
             names = [part[1] for part in head[2]] if head[0] == "called" else []
             self.functions[head[1]] = (names, body)
         self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get(
             "params", {}
         )
         self.tables = {one["name"].rpartition(".")[2]: one["rows"] for one in printed["tables"]}
-        self.machines = {Parser(read(one["mathml"])).whole()[1]: one for one in printed["machines"]}
+        self.machines = {_whole(one["mathml"])[1]: one for one in printed["machines"]}
         assert rule.formula is not None
         self.nodes = list(ir.below(rule.formula))
 
@@ -73,19 +92,19 @@ class Machinery:
     def _clauses(self, clauses: Sequence[dict[str, Any]], env: dict[str, Any]) -> tuple[Said, bool]:
         """What is demanded below a clause, and whether it applies to anything."""
         first, *others = clauses
-        row = read(first["mathml"])
+        row = first["mathml"]
         match first["kind"]:
             case "whenever":
-                guard = self.truth(Parser(row).whole(), env)
+                guard = self.truth(_whole(row), env)
                 assert guard.sat is not None
                 return self._clauses(others, env) if guard.sat else (Said(True, math.inf), False)
             case "let":
-                head, _, body = Parser(row).equation()
+                head, _, body = _equation(row)
                 return self._clauses(others, {**env, head[1]: ("let", body, env)})
             case "require" | "monitor":
-                return self.truth(Parser(row).whole(), env), True
+                return self.truth(_whole(row), env), True
             case "each":
-                return self._each(Parser(row).quantified(False), others, env)
+                return self._each(_quantified(row), others, env)
             case kind:
                 raise AssertionError(kind)
 
@@ -95,7 +114,7 @@ class Machinery:
         _, sign, names, domain, _, _ = quantifier
         guards = []
         while others[0]["kind"] in ("where", "except"):
-            guards.append((others[0]["kind"] == "where", Parser(read(others[0]["mathml"])).whole()))
+            guards.append((others[0]["kind"] == "where", _whole(others[0]["mathml"])))
             others = others[1:]
         found = []
         for inner in self._bound(names, domain, env):
@@ -206,11 +225,11 @@ class Machinery:
         machine = self.machines[tree[1]]
         inner: dict[str, Any] = {"": env.get("", {})}
         if tree[0] == "called":
-            (own,) = Parser(read(machine["mathml"])).whole()[2]
+            (own,) = _whole(machine["mathml"])[2]
             inner[own[1]] = self._record(tree[2][0], env)
         for move in machine["moves"]:
             if machine["start"] in move["from"]:
-                said = self.truth(Parser(read(move["when"]["mathml"])).whole(), inner)
+                said = self.truth(_whole(move["when"]["mathml"]), inner)
                 assert said.sat is not None
                 if said.sat:
                     return {"state": move["to"], "kept": move["remembers"]}, inner
@@ -219,7 +238,7 @@ class Machinery:
     def _kept(self, name: str, tree: Tree, env: dict[str, Any]) -> float:
         state, inner = self._state(tree, env)
         for one in state["kept"]:
-            head, _, body = Parser(read(one["mathml"])).equation()
+            head, _, body = _equation(one["mathml"])
             if head == ("name", name):
                 return self.number(body, inner)
         return math.nan

@@ -58,4 +58,5 @@ def sources(folder: Path, pairs: bool = False) -> Path:
 
 def remembering(folder: Path, pairs: bool = False) -> Spec:
     """It, compiled."""
-    return tm.load([sources(folder, pairs)])
+    # Places in files are relative, as those of a project: the same rules elsewhere are the same program, compiled once.
+    return tm.load([sources(folder, pairs)], [], folder)

@@ -3,15 +3,43 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
+import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+from unittest import mock
+
+from support.project import run_command
 
 #: `trackmarshal ...` in a folder: exit status, standard output, standard error.
 Command = Callable[..., tuple[int, str, str]]
 #: Warnings are errors, and arithmetic is as it is written.
 STRICT = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wconversion", "-pedantic", "-Werror")
 SCENARIO = "specs/scenarios/too_fast.yaml"
+
+
+def new_project(root: Path, kept: Path | None = None) -> None:
+    """What `init` writes to a folder that is not there, written by it once for each name; kept: where to put what it leaves in an empty cache."""
+    for place, data in _written(root.name).items():
+        top, _, rest = place.partition("/")
+        folder = root if top == "project" else kept
+        if folder is not None:
+            (folder / rest).parent.mkdir(parents=True, exist_ok=True)
+            (folder / rest).write_bytes(data)
+
+
+@cache
+def _written(name: str) -> dict[str, bytes]:
+    with tempfile.TemporaryDirectory() as folder:
+        top = Path(folder)
+        with mock.patch.dict(os.environ, {"TRACKMARSHAL_CACHE": str(top / "kept")}):
+            assert run_command("init", str(top / name))[0] == 0
+        (top / name).rename(top / "project")
+        return {
+            path.relative_to(top).as_posix(): path.read_bytes() for path in top.rglob("*") if path.is_file()
+        }
 
 
 def green(run: Command) -> None:

@@ -13,6 +13,7 @@ import pytest
 
 from support.project import run_command
 from support.shared import REPOSITORY
+from support.start import new_project
 
 SCENARIOS = REPOSITORY / "specs" / "scenarios"
 SPEC = """module small
@@ -195,8 +196,9 @@ OPTIONS = [
 
 
 @pytest.mark.parametrize("arguments", OPTIONS, ids=" ".join)
-def test_common_options_stand_before_or_after_the_verb(arguments: tuple[str, ...]) -> None:
-    made = [argument.replace("{project}", str(REPOSITORY)) for argument in arguments]
+def test_common_options_stand_before_or_after_the_verb(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    new_project(tmp_path / "car")
+    made = [argument.replace("{project}", str(tmp_path / "car")) for argument in arguments]
     status, _, err = run_command(*made)
     assert (status, err) == (0, "")
 

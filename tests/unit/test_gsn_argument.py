@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from golden.gsn.cases import HERE, argued, argument
+from support.length import amount
 from trackmarshal.trace.gates import falls_short
 from trackmarshal.trace.gsn.case import (
     RESERVED,
@@ -206,7 +207,7 @@ def leaves(case: Case, top: str) -> dict[str, str]:
     return found
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=amount(20, 60), deadline=None)
 @given(cases())
 def test_modules_fit_into_pictures_and_change_nothing(drawn: Drawn) -> None:
     case = drawn.case

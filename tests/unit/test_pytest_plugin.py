@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 import subprocess
 import sys
@@ -89,9 +90,12 @@ def run(project: Path, tests: str, *arguments: str) -> subprocess.CompletedProce
         "trackmarshal.pytest_plugin",
         "-p",
         "no:cacheprovider",
+        *(("-p", "xdist") if "-n" in arguments else ()),
         *arguments,
     ]
-    return subprocess.run(command, cwd=project, capture_output=True, text=True, check=False)
+    # Not what else is installed beside it: to load that takes three times as long as all the rest of a run.
+    alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    return subprocess.run(command, cwd=project, capture_output=True, text=True, check=False, env=alone)
 
 
 @pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from support.cycles import PERIOD, cycle, mutate
+from support.length import amount
 from support.supervised import Clock, Oracle, made, shipped
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Layout, layout_of
@@ -162,8 +163,8 @@ def test_cut_off_anywhere(tmp_path: Path) -> None:
     ends = [len(found[0].schema), *(row.end for row in found[0].rows(whole))]
     assert len(ends) == 4
     assert ends[-1] == len(whole)
-    near = {end + k for end in ends for k in range(-70, 71)}
-    for cut in sorted(near & set(range(len(whole))) | set(range(0, len(whole), 7))):
+    near = {end + k for end in ends for k in range(-amount(12, 70), amount(13, 71))}
+    for cut in sorted(near & set(range(len(whole))) | set(range(0, len(whole), amount(20, 7)))):
         if cut < ends[0]:
             with pytest.raises(TrackmarshalError) as caught:
                 read(whole[:cut], "cut")
@@ -182,7 +183,7 @@ def test_any_changed_byte_of_a_cycle_is_noticed(tmp_path: Path) -> None:
     assert found is not None
     begin = len(found[0].schema)
     rng = random.Random(3)
-    for at in range(begin, len(whole), 3):
+    for at in range(begin, len(whole), amount(10, 3)):
         bit = 1 << rng.randrange(8)
         whole[at] ^= bit
         run = read(bytes(whole), "changed")
@@ -194,7 +195,7 @@ def test_any_changed_byte_of_the_head_is_an_error(tmp_path: Path) -> None:
     whole = bytearray(small(tmp_path / "run.arrows", 1))
     found = layout_of(bytes(whole))
     assert found is not None
-    for at in range(0, len(found[0].schema), 3):
+    for at in range(0, len(found[0].schema), amount(10, 3)):
         whole[at] ^= 0x20
         try:
             run = read(bytes(whole), "changed")

@@ -11,7 +11,7 @@ import pytest
 
 import trackmarshal as tm
 from support.cycles import PERIOD, SPEED, cycle
-from support.supervised import ROOT
+from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
@@ -22,12 +22,20 @@ OLD = Path(__file__).parent / "version_2.arrows.gz"
 
 
 @pytest.fixture
-def record(tmp_path: Path) -> Path:
-    """Five cycles on a straight: the third is missing, in the fifth the driving trajectory is too fast."""
+def record(recorded: bytes, tmp_path: Path) -> Path:
+    """A file of its own."""
     path = tmp_path / "run.arrows"
+    path.write_bytes(recorded)
+    return path
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Five cycles on a straight: the third is missing, in the fifth the driving trajectory is too fast."""
+    path = tmp_path_factory.mktemp("recorded") / "run.arrows"
     now = 0.0
     supervisor = tm.supervisor(
-        tm.load([ROOT / "specs" / "supervisor"]),
+        shipped(),
         ["speed_limit", "ends_at_rest"],
         clock=lambda: now,
         record=path,
@@ -41,7 +49,7 @@ def record(tmp_path: Path) -> Path:
         supervisor.step(given)
     supervisor.close()
     assert supervisor.record_error == ""
-    return path
+    return path.read_bytes()
 
 
 def replay(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

@@ -12,9 +12,8 @@ from typing import Any
 
 import pytest
 
-from support.project import command, copy_project
+from support.project import command
 from support.safety_case import DAY, Page, edit, html, made_ready
-from support.shared import REPOSITORY
 from trackmarshal.cli import assessment
 from trackmarshal.records import FaultCase, FaultResult
 
@@ -27,11 +26,6 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def warehouse(ready: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(ready, tmp_path / "warehouse"))
-
-
-@pytest.fixture(scope="module")
-def shipped(tmp_path_factory: pytest.TempPathFactory) -> Page:
-    return html(copy_project(tmp_path_factory.mktemp("shipped")), expect=1)
 
 
 def under(page: Page, beginning: str) -> dict[str, str]:
@@ -81,24 +75,6 @@ def counted(runs: list[dict[str, Any]]) -> dict[str, str]:
         if gaps:
             found[f"{begin}/gap"] = f"{min(gaps):.1f}"
     return found
-
-
-def test_numbers_of_the_closed_loop_are_those_of_its_results(shipped: Page) -> None:
-    kept = json.loads((REPOSITORY / "tests/closed_loop/results.json").read_text("utf-8"))
-    assert under(shipped, "loop/") == counted(kept["runs"])
-    svg = picture(shipped, "What became of the car")
-    marks = {
-        "drives_on": "D", "resumed": "R", "stopped": "S", "off_road": "O", "contact": "C",
-    }  # fmt: skip
-    cells = Counter(f"{marks[run['outcome']]} {run['speed']:.0f}" for run in kept["runs"])
-    drawn = Counter(word for word in words(svg) if re.fullmatch(r"[A-Z] \d+", word))
-    assert drawn == cells
-    told = svg.partition("<desc>")[2].partition("</desc>")[0]
-    for run in kept["runs"]:
-        assert (
-            f"{run['fault']}, {run['track']}, {'with others' if run['traffic'] else 'alone'}, {run['speed']:.1f} m/s: "
-            in told
-        )
 
 
 def loop(project: Path, these: list[dict[str, Any]], **more: Any) -> Path:
@@ -176,47 +152,6 @@ def test_not_a_number_in_results_is_refused(warehouse: Path) -> None:
 
 def test_a_project_without_a_closed_loop_is_said_to_have_none(warehouse: Path) -> None:
     assert "No results of a closed loop are declared." in html(warehouse).html
-
-
-# Drives of real vehicles.
-
-
-def test_numbers_of_a_drive_are_those_that_were_kept(shipped: Page) -> None:
-    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
-    drive = run["drive"]
-    fired = sum(drive["firings"].values())
-    begin = "node/run/specs/field/lvms.yaml/"
-    assert under(shipped, begin) == {
-        f"{begin}cycles": str(run["cycles"]), f"{begin}hours": f"{drive['hours']:.4g}", f"{begin}km": f"{drive['km']:.4g}", f"{begin}firings": str(fired),
-        **{f"{begin}least {one['rule']} {one['candidate']}": one["shown"] for one in drive["least"]},
-    }  # fmt: skip
-    begin = "drive/specs/field/lvms.yaml/"
-    assert under(shipped, begin) == {
-        f"{begin}per hour": f"{fired / drive['hours']:.4g}", f"{begin}per km": f"{fired / drive['km']:.4g}",
-        **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.4g}" for one in drive["least"]},
-    }  # fmt: skip
-    # The cycles are a tenth of a second apart, and the drive took as long as they do.
-    assert drive["hours"] * 3600 == pytest.approx(run["cycles"] / 10, rel=1e-3)
-    for one in drive["least"]:
-        number, _, unit = one["shown"].partition(" ")
-        factor = 1e-3 if unit == "ms" else 1.0
-        assert float(number) * factor == pytest.approx(one["margin"], rel=1e-3, abs=1e-9)
-
-
-def test_rules_that_a_drive_says_nothing_of_are_named(shipped: Page) -> None:
-    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
-    silent = [
-        rule["rule"]
-        for rule in run["rules"]
-        if all(set(counts) == {"inactive"} for counts in rule["counts"].values())
-    ]
-    assert silent
-    assert re.search(
-        r"<dt>nothing to say</dt><dd>"
-        + ", ".join(f'<span class="given">{re.escape(rule)}</span>' for rule in silent)
-        + "</dd>",
-        shipped.html,
-    )
 
 
 # Faults.

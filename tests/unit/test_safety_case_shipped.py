@@ -11,6 +11,8 @@ import pytest
 
 from support.project import command, copy_project
 from support.safety_case import DAY, NUMBER, Page, corpus, graph_numbers, html, is_place
+from support.shared import REPOSITORY
+from unit.test_safety_case_results import counted, picture, under, words
 
 
 @pytest.fixture(scope="module")
@@ -20,8 +22,8 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(project: Path) -> Page:
-    """Without evidence: nothing was run in the copy."""
-    return html(project, expect=1)
+    """Without evidence: nothing was run in the copy. The PDF is made of the same, where it can be set."""
+    return html(project, "--format", "both", expect=1)
 
 
 def test_what_was_not_run_is_no_pass(page: Page) -> None:
@@ -88,8 +90,65 @@ def test_every_rule_stands_in_its_forms(page: Page) -> None:
             assert f"<h4>{title}</h4>" in part, (name, title)
 
 
-def test_the_source_of_the_pdf_is_set(project: Path) -> None:
+def test_the_source_of_the_pdf_is_set(project: Path, page: Page) -> None:
     pytest.importorskip("typst", reason="sets the PDF")
-    status, _, err = command(project, "case", "--out", str(project / "out"), "--day", DAY, "--format", "pdf")
-    assert status == 1, err
-    assert (project / "out" / "safety-case.pdf").read_bytes().startswith(b"%PDF-")
+    assert (project / "out" / "case" / "safety-case.pdf").read_bytes().startswith(b"%PDF-")
+
+
+# Results: every number is counted again from the evidence.
+
+
+def test_numbers_of_the_closed_loop_are_those_of_its_results(page: Page) -> None:
+    kept = json.loads((REPOSITORY / "tests/closed_loop/results.json").read_text("utf-8"))
+    assert under(page, "loop/") == counted(kept["runs"])
+    svg = picture(page, "What became of the car")
+    marks = {
+        "drives_on": "D", "resumed": "R", "stopped": "S", "off_road": "O", "contact": "C",
+    }  # fmt: skip
+    cells = Counter(f"{marks[run['outcome']]} {run['speed']:.0f}" for run in kept["runs"])
+    drawn = Counter(word for word in words(svg) if re.fullmatch(r"[A-Z] \d+", word))
+    assert drawn == cells
+    told = svg.partition("<desc>")[2].partition("</desc>")[0]
+    for run in kept["runs"]:
+        assert (
+            f"{run['fault']}, {run['track']}, {'with others' if run['traffic'] else 'alone'}, {run['speed']:.1f} m/s: "
+            in told
+        )
+
+
+def test_numbers_of_a_drive_are_those_that_were_kept(page: Page) -> None:
+    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
+    drive = run["drive"]
+    fired = sum(drive["firings"].values())
+    begin = "node/run/specs/field/lvms.yaml/"
+    assert under(page, begin) == {
+        f"{begin}cycles": str(run["cycles"]), f"{begin}hours": f"{drive['hours']:.4g}", f"{begin}km": f"{drive['km']:.4g}", f"{begin}firings": str(fired),
+        **{f"{begin}least {one['rule']} {one['candidate']}": one["shown"] for one in drive["least"]},
+    }  # fmt: skip
+    begin = "drive/specs/field/lvms.yaml/"
+    assert under(page, begin) == {
+        f"{begin}per hour": f"{fired / drive['hours']:.4g}", f"{begin}per km": f"{fired / drive['km']:.4g}",
+        **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.4g}" for one in drive["least"]},
+    }  # fmt: skip
+    # The cycles are a tenth of a second apart, and the drive took as long as they do.
+    assert drive["hours"] * 3600 == pytest.approx(run["cycles"] / 10, rel=1e-3)
+    for one in drive["least"]:
+        number, _, unit = one["shown"].partition(" ")
+        factor = 1e-3 if unit == "ms" else 1.0
+        assert float(number) * factor == pytest.approx(one["margin"], rel=1e-3, abs=1e-9)
+
+
+def test_rules_that_a_drive_says_nothing_of_are_named(page: Page) -> None:
+    (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
+    silent = [
+        rule["rule"]
+        for rule in run["rules"]
+        if all(set(counts) == {"inactive"} for counts in rule["counts"].values())
+    ]
+    assert silent
+    assert re.search(
+        r"<dt>nothing to say</dt><dd>"
+        + ", ".join(f'<span class="given">{re.escape(rule)}</span>' for rule in silent)
+        + "</dd>",
+        page.html,
+    )

@@ -345,8 +345,8 @@ def test_more_lanes_than_c_has_memory_for() -> None:
     many = {**SIGNALS, "lanes": LANES * 100}
     for backend in ("c", "auto"):
         assert Evaluator(spec, backend=backend).case({"signals": many}).rules["made"].verdict == "satisfied"
-    long = {"left": [[k / 10.0, 4.0] for k in range(5000)], "right": [[0.0, 0.0], [500.0, 0.0]]}
-    many["lanes"] = [long] * 100
+    left = tm.line([[k / 10.0, 4.0] for k in range(5000)])  # which is read once
+    many["lanes"] = {"left": [left] * 100, "right": [tm.line([[0.0, 0.0], [500.0, 0.0]])] * 100}
     with pytest.raises(TrackmarshalError, match="more than 256 MiB") as caught:
         Evaluator(spec, backend="c").case({"signals": many})
     assert caught.value.code == "E473"

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from support.length import at_length
 from trackmarshal.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -104,7 +105,7 @@ class Reader(HTMLParser):
         assert self.open.pop() == tag
 
 
-@pytest.mark.parametrize("name", ["one_move", "safe_side", "drive_acceleration"])
+@pytest.mark.parametrize("name", ["one_move", at_length("safe_side"), at_length("drive_acceleration")])
 def test_a_page_stands_by_itself_with_all_four_forms(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     made = shown(capsys, name, "--format", "html", "--spec", "specs")
     page = Reader()

@@ -12,6 +12,7 @@ import pytest
 
 from support.project import run_command
 from support.shared import REPOSITORY
+from support.start import new_project
 from trackmarshal.cli import sources
 
 tool = import_module("trackmarshal.meaning.tool")  # the package calls its function so
@@ -23,7 +24,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A new project in a folder of its own, which is the current one, with a cache of its own."""
     root = tmp_path / "car"
     monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
-    assert run_command("init", str(root))[0] == 0
+    new_project(root, tmp_path / "cache")
     monkeypatch.chdir(root)
     return root
 

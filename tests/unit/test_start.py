@@ -19,7 +19,7 @@ from trackmarshal.start.project import BASELINE, FILES
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A new project in a folder of its own, which is the current one."""
     root = tmp_path / "car"
-    assert run_command("init", str(root))[0] == 0
+    start.new_project(root)
     monkeypatch.chdir(root)
     return root
 
