@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 import pytest
@@ -84,6 +84,13 @@ def pair(scene: int, place: int) -> tuple[Scene, Scene]:
     return one, one["verdicts"][place]
 
 
+@lru_cache(16)  # as many as every day has: two tests ask for each
+def taken(source: str, scene: int, place: int) -> list[Cycle]:
+    """The cycles of one run."""
+    one, wanted = pair(scene, place)
+    return SOURCES[source](one, wanted["ego"], wanted["t0"], wanted["n"])
+
+
 def decided(judge: Evaluator, taken: list[Cycle]) -> dict[str, list[str]]:
     """By rule and cycle, what was decided of it in the end."""
     run, found = judge.over_run(), {rule.name: [""] * len(taken) for rule in judge.rules}
@@ -127,9 +134,7 @@ def test_all_rules_online_in_c(
     evaluator: Callable[..., Evaluator], scene: int, place: int, source: str
 ) -> None:
     one, wanted = pair(scene, place)
-    found = decided(
-        evaluator("c", (*RULES, "complete")), SOURCES[source](one, wanted["ego"], wanted["t0"], wanted["n"])
-    )
+    found = decided(evaluator("c", (*RULES, "complete")), taken(source, scene, place))
     assert set(found.pop("complete")) == {"satisfied"}
     assert differing(found, wanted) == listed(source, one, wanted, RULES)
 
@@ -138,9 +143,7 @@ def test_all_rules_online_in_c(
 @pytest.mark.parametrize(("scene", "place"), SHARE)
 def test_what_looks_ahead(evaluator: Callable[..., Evaluator], scene: int, place: int, source: str) -> None:
     one, wanted = pair(scene, place)
-    found = decided(
-        evaluator("numpy", ("R_I5",)), SOURCES[source](one, wanted["ego"], wanted["t0"], wanted["n"])
-    )
+    found = decided(evaluator("numpy", ("R_I5",)), taken(source, scene, place))
     assert differing(found, wanted) == listed(source, one, wanted, ("R_I5",))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from support import race_line
 from support.command import close, evaluate, number
-from support.length import at_length, shared_out
+from support.length import at_length
 from support.shared import SUPERVISOR, shared
 
 pytestmark = pytest.mark.verifies("S-1-A-4")
@@ -64,7 +64,7 @@ def test_trajectories(name: str, backend: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("backend", [at_length("reference"), "numpy", "c"])
-@pytest.mark.parametrize("line", shared_out(LINES, 2))
+@pytest.mark.parametrize("line", LINES)
 def test_places(line: str, backend: str, tmp_path: Path) -> None:
     """Place by place, each as a trajectory that has only this place: violated exactly where more is asked for."""
     lap = race_line.read(shared("data", "tracks", line))

@@ -18,6 +18,7 @@ from support.length import shared_out
 from support.processes import PATIENCE, Served
 from support.remembering import remembering
 from support.sanitized import FLAGS as SANITIZED
+from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.serving import build
@@ -42,12 +43,12 @@ def cycles(count: int) -> list[Cycle | None]:
 
 def test_a_process_remembers(tmp_path: Path) -> None:
     spec, now, limits = remembering(tmp_path, pairs=True), 0.0, Limits(budget=1e9)
-    evaluator = Evaluator(spec, None, "c")
-    program = build(spec, evaluator.rules, limits)
+    rules = Evaluator(spec).rules
+    program = build(spec, rules, limits)
     with Served(program, False) as served:
         client = Client(program.layout, served.channel(), lambda: now)
-        remote = RemoteSupervisor(spec, evaluator.rules, client, limits, lambda: now, patience=PATIENCE)
-        local = tm.supervisor(spec, backend="c", limits=limits, clock=lambda: now)
+        remote = RemoteSupervisor(spec, rules, client, limits, lambda: now, patience=PATIENCE)
+        local = CSupervisor(spec, rules, limits, lambda: now)
         safe = 0
         for number, given in enumerate(cycles(200)):
             now = number * PERIOD

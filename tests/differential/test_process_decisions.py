@@ -18,6 +18,7 @@ from support.processes import PATIENCE, Served, built, free_port
 from support.shared import REPOSITORY, SUPERVISOR
 from support.supervised import shipped
 from trackmarshal import scenarios
+from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.process.client import Client
 from trackmarshal.process.serving import build
@@ -38,7 +39,7 @@ OPEN = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
 @pytest.fixture(scope="module")
 def evaluator() -> Evaluator:
     spec = tm.load([SUPERVISOR], [REPOSITORY / "specs" / "tracks" / "northfield.spec"], REPOSITORY)
-    return Evaluator(spec, None, "c")
+    return Evaluator(spec)
 
 
 #: `make test` takes these; each has values of its own, and so a program of its own.
@@ -61,7 +62,7 @@ def test_the_shipped_scenarios(recording: Path, evaluator: Evaluator) -> None:
         remote = RemoteSupervisor(
             spec, evaluator.rules, client, OPEN, lambda: now, settings, patience=PATIENCE
         )
-        local = rulebox(evaluator, found.params, known_tables(found, spec)[0]).running(OPEN, lambda: now)
+        local = CSupervisor(spec, evaluator.rules, OPEN, lambda: now, settings)
         driven = 0
         for given in tm.cycles(found):
             now = given.t
@@ -83,7 +84,7 @@ def test_broken_cycles(udp: bool) -> None:
     with Served(program, udp) as served:
         client = Client(program.layout, served.channel(), lambda: now)
         remote = RemoteSupervisor(spec, rules, client, limits, lambda: now, patience=PATIENCE)
-        local = tm.supervisor(spec, backend="c", limits=limits, clock=lambda: now)
+        local = CSupervisor(spec, rules, limits, lambda: now)
         for number in range(300):
             given: Cycle | None = cycle(number, 1 + number % 4, 1 + number % 3)
             if number % 3 == 2 and given is not None:
@@ -105,7 +106,7 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What `compile --process` writes, with cycles of a run in which all sorts of them are broken, compiled as it stands."""
     folder = tmp_path_factory.mktemp("emitted")
     now, rng = 0.0, random.Random(5)
-    recorded = tm.supervisor(shipped(), backend="c", clock=lambda: now, record=folder / "run.arrows")
+    recorded = tm.supervisor(shipped(), clock=lambda: now, record=folder / "run.arrows")
     for number in range(200):
         given: Cycle | None = cycle(number, 1 + number % 4, 1 + number % 3)
         if number % 3 == 2 and given is not None:

@@ -40,7 +40,7 @@ AWKWARD = (
 FIELDS = [name for name in AWKWARD if name not in RESERVED]
 
 
-def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> None:
+def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> CProgram:
     rules = Evaluator(spec, None, "reference").rules
     source = generate(spec, rules, name, online=True, doored=can_be_supervised(spec))
     (folder / f"{name}.h").write_text(source.header, encoding="utf-8")
@@ -55,13 +55,15 @@ def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> None:
                 command = [compiler, *STRICT, standard, f"{name}.c", *programs]
                 done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
                 assert done.returncode == 0, done.stderr[:3000]
-    CProgram(spec, rules).library_for()
+    program = CProgram(spec, rules)
+    program.library_for()
+    return program
 
 
-def agree(spec: Spec, *raw: dict[str, object]) -> None:
+def agree(spec: Spec, program: CProgram, *raw: dict[str, object]) -> None:
     reference = Evaluator(spec, None, "reference")
     cases = [reference.read({"signals": signals}) for signals in raw]
-    run = outcomes(CProgram(spec, reference.rules), cases)
+    run = outcomes(program, cases)
     for index, expected in enumerate(reference.evaluate(cases)):
         for rule in reference.rules:
             wanted = expected.rules[rule.name]
@@ -84,10 +86,10 @@ rule back "made up"
   along plan as p
   require historically[0 s, 1 s] {sample} <= 1
 """)
-    compile_strictly(spec, tmp_path)
+    program = compile_strictly(spec, tmp_path)
     numbers = {name: 0.25 * k - 9.0 for k, name in enumerate(FIELDS)}
     columns = {name: [number, number + 1.0] for name, number in numbers.items()}
-    agree(spec, {"ego": numbers, "plan": {"t": [0.0, 0.5], **columns}})
+    agree(spec, program, {"ego": numbers, "plan": {"t": [0.0, 0.5], **columns}})
     monitors = Monitors(spec, spec.rules)
     assert monitors.names == ("back",)
     _, (verdict, _) = monitors.run("back", {"t": [0.0, 0.5], **columns})
@@ -125,9 +127,9 @@ def test_signals_events_params_tables_and_rules(tmp_path: Path) -> None:
     for name in FIELDS:
         lines.append(f'rule r{name} "made up"\n  require {terms[0]} <= 1\n')
     spec = compiled("\n".join(lines))
-    compile_strictly(spec, tmp_path)
+    program = compile_strictly(spec, tmp_path)
     given["trace"] = {"t": [0.0], "u": [1.0]}
-    agree(spec, given)
+    agree(spec, program, given)
 
 
 @needs_compiler
@@ -143,8 +145,8 @@ def test_variables_lets_definitions_and_their_arguments(tmp_path: Path) -> None:
         text += f'rule l{n} "made up"\n  for all p in trace\n  let {name} = p.u - k\n  require {name} / k <= {name} * {name}\n'
         text += f'rule a{n} "made up"\n  along trace as {name}\n  require once[0 s, 1 s] {name}.u * {name}.u > {n}\n'
     spec = compiled(text)
-    compile_strictly(spec, tmp_path)
-    agree(spec, {"trace": {"t": [0.0, 0.5, 3.0], "u": [1.0, -7.0, 4.0]}})
+    program = compile_strictly(spec, tmp_path)
+    agree(spec, program, {"trace": {"t": [0.0, 0.5, 3.0], "u": [1.0, -7.0, 4.0]}})
 
 
 @needs_compiler
@@ -155,9 +157,9 @@ def test_rules(tmp_path: Path) -> None:
     for k, name in enumerate(names):
         text += f'rule {name} "tm_lookup */ tm_held(tm_least)"\n  along trace as p\n  require once[0 s, {k} s] p.u > {k}\n'
     spec = compiled(text)
-    compile_strictly(spec, tmp_path)
+    program = compile_strictly(spec, tmp_path)
     trace = {"t": [0.0, 0.5, 1.0, 9.0], "u": [1.0, 30.0, 2.0, 50.0]}
-    agree(spec, {"trace": trace})
+    agree(spec, program, {"trace": trace})
     monitors = Monitors(spec, spec.rules)
     assert set(monitors.names) == set(names)
     case = Evaluator(spec).read({"signals": {"trace": trace}})
@@ -184,12 +186,12 @@ signal track : corridor { left: polyline, right: polyline }
     text += 'rule z "made up"\n  for all p in plan\n  require p in zone isnan or p in zone ISNAN\n'
     spec = compiled(text)
     assert can_be_supervised(spec)
-    compile_strictly(spec, tmp_path)
+    program = compile_strictly(spec, tmp_path)
     columns = {"x": [1.0, 6.0], "y": [0.5, 0.5], "heading": [0.0, 0.0], "v": [1.0, 1.0]}
     ego = {"x": 1.0, "y": 0.5, "heading": 0.0, "v": 1.0}
     given = {name: [[0.0, -0.5 * k], [9.0, -0.5 * k]] for k, name in enumerate(spoken)}
     track = {"left": [[0.0, 2.0], [9.0, 2.0]], "right": [[0.0, -2.0], [9.0, -2.0]], "closed": False}
-    agree(spec, {"plan": {"t": [0.0, 1.0], **columns}, "ego": ego, "track": track, **given})
+    agree(spec, program, {"plan": {"t": [0.0, 1.0], **columns}, "ego": ego, "track": track, **given})
 
 
 @needs_compiler
