@@ -51,7 +51,7 @@ def test_there_are_enough_of_all_kinds() -> None:
     # rss_eq1 never fires without safe_gap, ends_at_rest never before the door; the other two monitors have no fault here
     # (a trajectory that is planned anew, braking by less or the other way round, is no change of one: tests/unit/test_into_others.py has both)
     assert every - rules == {
-        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "race_direction",
+        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "race_direction",
     }  # fmt: skip
     doors = {fault for fault, code in FAULTS.items() if code < "D24"}
     # those are of the program that calls, not of what comes from a car: types, names, a context that was never set up, a defect

@@ -49,4 +49,37 @@ def test_a_fallback_ends_before_it_reaches_who_stands_ahead(braking: float, safe
     given.emergency.clear()
     given.emergency.update(plan(0.0, braking, 60))
     assert given.emergency["s"][-1] == pytest.approx(SPEED**2 / 2 / braking)
-    assert against(given, backend) == (set() if safe else {("safe_fallback", "emergency")})
+    found = {(rule, "emergency") for rule in ("safe_fallback", "fallback_collision")}
+    assert against(given, backend) == (set() if safe else found)
+
+
+def aside(given: Cycle, way: float, to: float) -> None:
+    """Let the emergency trajectory brake within 40 m, and change to another line, y = to, within so many of them."""
+    along = np.linspace(0.0, 45.0, 20_001)
+    share = np.clip(along / way, 0.0, 1.0)
+    across = to * (10 * share**3 - 15 * share**4 + 6 * share**5)
+    heading = np.arctan(np.gradient(across, along))
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(along), np.diff(across)))])
+    columns = plan(0.0, 5.0, 120)
+    places = {"x": along, "y": across, "heading": heading, "kappa": np.gradient(heading, arc)}
+    columns |= {name: np.interp(columns["s"], arc, values) for name, values in places.items()}
+    given.emergency.clear()
+    given.emergency.update(columns)
+
+
+@BACKENDS
+@pytest.mark.parametrize(
+    ("x", "y", "found"),
+    [
+        (38.0, 3.5, {"fallback_collision"}),  # it would end in that car
+        (38.0, -3.5, set()),  # on the other side
+        (47.0, 3.5, set()),  # further on than it goes
+        (25.0, 4.6, {"fallback_collision"}),  # and grazes this one on its way
+    ],
+)
+def test_a_fallback_moves_aside_into_nobody(x: float, y: float, found: set[str], backend: str) -> None:
+    """RSS asks who is too near sideways now: nobody is."""
+    given = among(x, 0.0)
+    given.signals["objects"]["y"][:] = y
+    aside(given, 34.0, 3.5)
+    assert against(given, backend) == {(rule, "emergency") for rule in found}
