@@ -300,8 +300,18 @@ class Evaluator:
     @property
     def backend(self) -> str:
         """What evaluates: the program's own name."""
-        name: str = self.program.identity["backend"]
+        name: str = self.identity["backend"]
         return name
+
+    @property
+    def identity(self) -> Mapping[str, Any]:
+        """What rates, as a record names it. Generated C that was asked for is known without being compiled: a Supervisor that is all C has
+        a program of its own, and never takes this one."""
+        from trackmarshal.backends.results import identity
+
+        if self.asked == "c":
+            return identity(self.spec, "c", self.rules)
+        return self.program.identity
 
     @cached_property
     def program(self) -> Program:

@@ -65,7 +65,7 @@ def rulebox(
     settings = evaluator.reader.settings(given)
     if settings.broken:
         raise TrackmarshalError("E403", settings.broken[0], help="change the parameters")
-    return Rulebox(evaluator, settings, {**evaluator.program.identity, **given})
+    return Rulebox(evaluator, settings, {**evaluator.identity, **given})
 
 
 def supervisor(

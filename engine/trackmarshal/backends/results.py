@@ -41,6 +41,11 @@ class Outcomes(NamedTuple):
     values: Callable[[], CaseValues]
 
 
+def identity(spec: Spec, backend: str, rules: Sequence[RuleInfo]) -> dict[str, Any]:
+    """How a record names what rated: the spec, the evaluator, and the rules in order."""
+    return {"fingerprint": spec.fingerprint, "backend": backend, "rules": [rule.name for rule in rules]}
+
+
 class Stateless(ABC):
     """A program whose rules remember nothing: it rates every frame by itself.
 
@@ -56,8 +61,7 @@ class Stateless(ABC):
 
     @property
     def identity(self) -> Mapping[str, Any]:
-        names = [rule.name for rule in self.rules]
-        return {"fingerprint": self.spec.fingerprint, "backend": self.backend, "rules": names}
+        return identity(self.spec, self.backend, self.rules)
 
     @abstractmethod
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:

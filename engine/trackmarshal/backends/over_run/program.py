@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from trackmarshal.backends.over_run.lives import Without, no_place
 from trackmarshal.backends.over_run.now import Now, differing, happening
 from trackmarshal.backends.over_run.outcome import Outcome
-from trackmarshal.backends.results import Outcomes, Stateless
+from trackmarshal.backends.results import Outcomes, Stateless, identity
 from trackmarshal.ir.margins import own_unit
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.reads import reads
@@ -137,8 +137,7 @@ class Remembering:
 
     @property
     def identity(self) -> Mapping[str, Any]:
-        names = [rule.name for rule in self.rules]
-        return {**self.inner.identity, "rules": names}
+        return identity(self.spec, self.inner.identity["backend"], self.rules)
 
     def start(self) -> Memory:
         return Remembered(self._engine.start(), self._courses.start())
