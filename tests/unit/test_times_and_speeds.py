@@ -81,12 +81,29 @@ def brakes_in_a_bend_at_its_ends(given: Cycle) -> None:
     given.emergency["kappa"][:] = 1.0 / 40.0
 
 
+def swings_to_and_fro(given: Cycle) -> None:
+    """By 0.36 m within 6 m, while headings and curvatures say that it goes straight on."""
+    way = np.arange(0.0, 60.0, 1.0)
+    points = np.column_stack([way, 0.18 * np.sin(2.0 * np.pi * way / 12.0), np.zeros(len(way))])
+    given.driving.clear()
+    given.driving.update(driven(points, np.full(len(way), 20.0)))
+
+
+def goes_sideways(given: Cycle) -> None:
+    """Along a straight line that is 0.2 rad off where the car points: its corners are half a metre from where they were looked for."""
+    way = np.arange(0.0, 60.0, 2.0)
+    points = np.column_stack([np.cos(0.2) * way, np.sin(0.2) * way, np.zeros(len(way))])
+    given.driving.clear()
+    given.driving.update(driven(points, np.full(len(way), 20.0)))
+
+
 @BACKENDS
 @pytest.mark.parametrize(
     ("change", "safe"),
     [
         (as_planned, True), (never_brakes, False), (in_a_tenth_of_the_time, False), (in_ten_times_the_time, False), (brakes_on_the_spot, False),
         (turns_a_corner, False), (turns_within_the_tolerance_of_curvature, False), (brakes_in_a_bend_at_its_ends, False),
+        (swings_to_and_fro, False), (goes_sideways, False),
     ],
 )  # fmt: skip
 def test_it_is_driven_only_as_planned(change: Callable[[Cycle], None], safe: bool, backend: str) -> None:
@@ -97,4 +114,4 @@ def test_it_is_driven_only_as_planned(change: Callable[[Cycle], None], safe: boo
     change(given)
     decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
     assert (decision.safe, decision.faults) == (safe, ())
-    assert safe or {"pace_integrity", "speed_integrity"} & {one.rule for one in decision.violations}
+    assert safe or {"pace_integrity", "speed_integrity", "path_integrity", "heading_integrity"} & {one.rule for one in decision.violations}

@@ -1,7 +1,7 @@
 """Whether the columns of a trajectory say the same thing, each from the others: positions, arc length, heading, curvature, speed, time.
 
-Tolerances are those of TrajectorySupervisor (TU Munich), as specs/supervisor/trajectory.spec names them: 10 % of arc length, 0.5 rad, 0.05 1/m,
-0.2 m/s^2; that of time is 5 % of a step and 5 ms. Ranges are those of specs/supervisor/interface.spec.
+Tolerances are those of TrajectorySupervisor (TU Munich), as specs/supervisor/trajectory.spec names them: 10 % of arc length, 0.05 1/m,
+0.2 m/s^2; that of time is 5 % of a step and 5 ms, that of heading 0.1 rad in the middle of a step. Ranges are those of specs/supervisor/interface.spec.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def disagreements(columns: Columns) -> dict[str, bool]:
     lasts = way / np.where(drives, pace, 1.0)
     disagree = {
         "arc length": counts & (np.abs(np.diff(s) - length) > 0.1 * length),
-        "heading": counts & (np.abs(curve.turned(bearing - psi[:-1])) > 0.5),
+        "heading": counts & (np.abs(curve.turned(bearing - psi[:-1] - curve.turned(np.diff(psi)) / 2.0)) > 0.1),
         "curvature": counts & (np.abs(turn - (kappa[:-1] + kappa[1:]) / 2.0) > 0.05),
         "acceleration": inner & ((needed < least - 0.2) | (needed > most + 0.2)),
         "time": drives & (np.abs(np.diff(t) - lasts) > 0.05 * lasts + 0.005),

@@ -38,6 +38,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "curvature_integrity": ["curvature"],
         "acceleration_integrity": ["acceleration"],
         "pace_integrity": ["time"],
+        "path_integrity": ["path turns"],
         # Of the forces of a step, those along it and those across.
         "speed_integrity": ["speed jumps", "friction"],
         "pose_match": ["off its path", "elsewhere"],

@@ -33,12 +33,22 @@ def between(columns: Columns, car: Car) -> dict[str, bool]:
         **found,
         "brakes": bool((a < -car.brakes).any()),
         "speed jumps": bool((needed > most).any()),
+        "path turns": bool((_swings(columns) > car.grip).any()),
     }
 
 
 def _linear(values: Floats, share: Floats) -> Floats:
     """(steps, points)."""
     return np.asarray((1.0 - share) * values[:-1, None] + share * values[1:, None])
+
+
+def _swings(columns: Columns) -> Floats:
+    """From step to step, what a change of the direction between positions takes across it, m/s^2; a centimetre counts, as above."""
+    way = np.maximum(curve.chords(columns), 0.01)
+    bearing = np.arctan2(np.diff(columns["y"]), np.diff(columns["x"]))
+    return np.asarray(
+        np.square(columns["v"][1:-1]) * np.abs(curve.turned(np.diff(bearing))) * 2.0 / (way[1:] + way[:-1])
+    )
 
 
 def _exceeded(v: Floats, a: Floats, kappa: Floats, car: Car) -> dict[str, bool]:
