@@ -85,6 +85,24 @@ def zigzag(v: float = 50.0, aside: float = 1.2) -> Columns:
     return columns | {"x": np.arange(40) * 3.0, "y": np.arange(40) % 2 * aside}
 
 
+def round_a_bend(columns: Columns, radius: float, middle: float) -> Columns:
+    """The same on an arc to the left, from (0, middle - radius) on; the road's middle has the radius `middle` and goes through (0, 0)."""
+    turned = columns["s"] / radius
+    return columns | {
+        "x": radius * np.sin(turned), "y": middle - radius * np.cos(turned), "heading": turned,
+        "kappa": np.full(len(turned), 1 / radius),
+    }  # fmt: skip
+
+
+def bend(middle: float, half: float) -> dict[str, Any]:
+    turned = np.linspace(0.0, 2 * np.pi, 200, endpoint=False)
+    ring = np.column_stack([np.sin(turned), -np.cos(turned)])
+    return {
+        side: ring * radius + [0.0, middle]
+        for side, radius in (("left", middle - half), ("right", middle + half))
+    } | {"closed": True}
+
+
 def falling_back(columns: Columns, by: float) -> Columns:
     """The same with one sample more, 2 mm on: from there on, the arc length is less by so much."""
     columns = {name: np.insert(values, 1, values[0]) for name, values in columns.items()}
@@ -216,6 +234,24 @@ FINE: dict[str, Cycle] = {
 @pytest.mark.parametrize("what", FINE)
 def test_it_is_safe(what: str, backend: str) -> None:
     assert against(FINE[what], backend) == set()
+
+
+@BACKENDS
+@pytest.mark.parametrize(("gap", "safe"), [(11.0, False), (24.0, True)])
+def test_inside_a_bend_the_way_along_the_line_counts(gap: float, safe: bool, backend: str) -> None:
+    """11 m along the middle of the road are 6.4 m on a line 5 m inside of it; the fallback takes 10.2 m."""
+    turned = (gap + LENGTH) / 17.0
+    other = car(12.0 * np.sin(turned), 17.0 - 12.0 * np.cos(turned), 1.0) | {"heading": turned}
+    given = made(
+        round_a_bend(steady(11.5), 12.0, 17.0),
+        round_a_bend(braking(6.5, 11.5, 100), 12.0, 17.0),
+        {"y": 5.0},
+        [other],
+        track=bend(17.0, 7.0),
+    )
+    found = against(given, backend)
+    assert (("safe_fallback", "emergency") in found) is not safe
+    assert (found == set()) is safe
 
 
 @BACKENDS
