@@ -1,0 +1,266 @@
+"""Ways past the rules on plans, on the pose and on others that a physically minded reader found: none of them is safe, whichever evaluator looks.
+
+Each cycle is the flawless one of `support.cycles`, its car at 20 m/s or as fast as it says, with one thing changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from support.cycles import SPEED, cycle
+from support.supervised import shipped
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.runtime.cycle import Cycle
+
+BACKENDS = pytest.mark.parametrize(
+    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
+)  # fmt: skip
+
+Columns = dict[str, Any]
+LENGTH, WIDTH = 4.7, 2.8
+
+
+def along(t: Any, s: Any, v: Any, a: Any, x: float = 0.0, heading: float = 0.0) -> Columns:
+    """Columns of a trajectory that goes straight on from x m."""
+    t, s, v, a = np.broadcast_arrays(*(np.asarray(each, dtype=float) for each in (t, s, v, a)))
+    return {
+        "t": t.copy(), "s": s.copy(), "x": x + s * np.cos(heading), "y": s * np.sin(heading), "heading": np.full(len(t), heading),
+        "kappa": np.zeros(len(t)), "v": v.copy(), "a": a.copy(),
+    }  # fmt: skip
+
+
+def steady(v: float = SPEED, samples: int = 30, step: float = 0.1, heading: float = 0.0) -> Columns:
+    t = np.arange(samples) * step
+    return along(t, v * t, v, 0.0, heading=heading)
+
+
+def braking(b: float = 8.0, v: float = SPEED, samples: int = 60, heading: float = 0.0) -> Columns:
+    """To rest in equal times."""
+    t = np.linspace(0.0, v / b, samples)
+    columns = along(t, v * t - b * t**2 / 2, v - b * t, -b, heading=heading)
+    columns["v"][-1] = 0.0
+    return columns
+
+
+def after(held: float, v: float, a: float, b: float, samples: int = 110) -> Columns:
+    """For so many seconds with a, then braking to rest with b."""
+    top = v + a * held
+    t = np.concatenate(
+        [np.linspace(0.0, held, samples // 2, endpoint=False), held + np.linspace(0.0, top / b, samples // 2)]
+    )
+    late = np.maximum(t - held, 0.0)
+    early = np.minimum(t, held)
+    s = v * early + a * early**2 / 2 + top * late - b * late**2 / 2
+    columns = along(t, s, np.where(t < held, v + a * t, top - b * late), np.where(t < held, a, -b))
+    columns["v"][-1] = 0.0
+    return columns
+
+
+def standing(x: float = 0.0) -> Columns:
+    return along([0.0, 1.0], [0.0, 0.0], 0.0, 0.0, x)
+
+
+def turning_in(v: float = 60.0, held: float = 0.3, across: float = 12.0) -> Columns:
+    """A bend to the left at so many m/s^2 for so many seconds, then straight on."""
+    t = np.linspace(0.0, 1.5, 60)
+    s = v * t
+    kappa = np.where(t < held, across / v**2, 0.0)
+    heading = np.concatenate([[0.0], np.cumsum((kappa[1:] + kappa[:-1]) / 2 * np.diff(s))])
+    middle = (heading[1:] + heading[:-1]) / 2
+    columns = along(t, s, v, 0.0)
+    columns["x"] = np.concatenate([[0.0], np.cumsum(np.cos(middle) * np.diff(s))])
+    columns["y"] = np.concatenate([[0.0], np.cumsum(np.sin(middle) * np.diff(s))])
+    return columns | {"heading": heading, "kappa": kappa}
+
+
+def zigzag(v: float = 50.0, aside: float = 1.2) -> Columns:
+    """From one side to the other every 3 m, while all headings and curvatures are those of a straight line."""
+    s = np.arange(40) * np.hypot(3.0, aside)
+    columns = along(s / v, s, v, 0.0)
+    return columns | {"x": np.arange(40) * 3.0, "y": np.arange(40) % 2 * aside}
+
+
+def round_a_bend(columns: Columns, radius: float, middle: float) -> Columns:
+    """The same on an arc to the left, from (0, middle - radius) on; the road's middle has the radius `middle` and goes through (0, 0)."""
+    turned = columns["s"] / radius
+    return columns | {
+        "x": radius * np.sin(turned), "y": middle - radius * np.cos(turned), "heading": turned,
+        "kappa": np.full(len(turned), 1 / radius),
+    }  # fmt: skip
+
+
+def bend(middle: float, half: float) -> dict[str, Any]:
+    turned = np.linspace(0.0, 2 * np.pi, 200, endpoint=False)
+    ring = np.column_stack([np.sin(turned), -np.cos(turned)])
+    return {
+        side: ring * radius + [0.0, middle]
+        for side, radius in (("left", middle - half), ("right", middle + half))
+    } | {"closed": True}
+
+
+def falling_back(columns: Columns, by: float) -> Columns:
+    """The same with one sample more, 2 mm on: from there on, the arc length is less by so much."""
+    columns = {name: np.insert(values, 1, values[0]) for name, values in columns.items()}
+    for name, more in (("t", 1e-4), ("x", 0.002), ("v", -1e-4)):
+        columns[name][1] += more
+    columns["s"][1:] -= by
+    return columns
+
+
+def late(columns: Columns, by: float) -> Columns:
+    """Due at its last sample so much later."""
+    return columns | {"t": np.append(columns["t"][:-1], columns["t"][-1] + by)}
+
+
+def wet(columns: Columns, grip: float) -> Columns:
+    return columns | {"grip": np.full(len(columns["t"]), grip)}
+
+
+def car(x: float, y: float = 0.0, v: float = 0.0, width: float = 2.0) -> dict[str, float]:
+    return {"x": x, "y": y, "heading": 0.0, "v": v, "length": LENGTH, "width": width}
+
+
+def thing(x: float, y: float = 0.0, length: float = 0.5, width: float = 0.5) -> dict[str, float]:
+    return {"x": x, "y": y, "heading": 0.0, "length": length, "width": width}
+
+
+def wide(end: float = 2000.0, half: float = 20.0) -> dict[str, Any]:
+    return {
+        side: np.array([[-50.0, y], [end / 2, y], [end, y]]) for side, y in (("left", half), ("right", -half))
+    }
+
+
+def made(
+    driving: Columns, emergency: Columns, ego: Mapping[str, float] | None = None, objects: Any = (), obstacles: Any = (),
+    track: Any = None,
+) -> Cycle:  # fmt: skip
+    given = cycle(0)
+    for own, columns in ((given.driving, driving), (given.emergency, emergency)):
+        own.clear()
+        own.update(columns)
+    given.signals["ego"].update({"v": float(driving["v"][0])} | dict(ego or {}))
+    given.signals["objects"] = [{"id": f"o{i}"} | one for i, one in enumerate(objects)]
+    given.signals["obstacles"] = [{"id": f"c{i}"} | one for i, one in enumerate(obstacles)]
+    given.signals["track"] = track or wide()
+    return given
+
+
+def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
+    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
+    assert decision.faults == ()
+    assert decision.safe == (not decision.violations)
+    return {(one.rule, one.candidate) for one in decision.violations}
+
+
+#: What is done, and by which rules of which candidates it is found.
+WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
+    "a fallback that is due at rest in 1000 s": (
+        made(steady(), late(braking(), 1000.0)), {("time_integrity", "emergency")}),
+    "a way to rest that an arc length hides": (
+        made(steady(), falling_back(braking(3.0), 60.0), objects=[car(40.0, v=15.0)]), {("safe_fallback", "emergency")}),
+    "20 deg aside at 60 m/s": (
+        made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
+    "a path that jumps aside and back": (
+        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving")}),
+    "standing behind a car that drives towards a barrier": (
+        made(standing(-2.5), standing(-2.5), {"v": 8.0}, obstacles=[thing(2.7)]), {("overrun_obstacle", "emergency")}),
+    "and towards the end of the road": (
+        made(standing(-2.5), standing(-2.5), {"v": 8.0}, track=wide(end=3.0)), {("overrun_road", "emergency")}),
+    "a fallback that drives on at 40 m/s for 20 s": (
+        made(steady(40.0), after(20.0, 40.0, 0.0, 8.0, 110)), {("fallback_brakes", "emergency"), ("step_length", "emergency")}),
+    "a fallback that gets faster first": (
+        made(steady(), after(1.5, SPEED, 5.0, 12.0)), {("fallback_slows", "emergency")}),
+    "over in 10 ms, in motion": (
+        made(steady(samples=2, step=0.01), braking()), {("outlasts_cycle", "driving")}),
+    "60 m in one step": (
+        made(along([0.0, 1.2, 1.4], [0.0, 60.0, 70.0], 50.0, 0.0), braking(12.0, 50.0)), {("step_length", "driving")}),
+    "turning in beside a car": (
+        made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 2.55, 60.0)]), {("planned_side", "driving")}),
+    "into one that stands, before the next decision": (
+        made(turning_in(), braking(12.0, 60.0), objects=[car(12.0, 2.55)]),
+        {("planned_side", "driving"), ("driving_collision", "driving")}),
+    "over to another car on a wet road": (
+        made(wet(steady(30.0, heading=-0.08), 0.2), wet(braking(1.9, 30.0, 110, -0.08), 0.2), {"heading": -0.08},
+             [car(1.0, -3.7, 30.0)], track=wide(half=40.0)),
+        {("planned_side", "driving"), ("planned_side", "emergency")}),
+    "over in front of a car that is twice as fast": (
+        made(steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 60.0)]),
+        {("cut_in", "driving"), ("cut_in", "emergency")}),
+    "back at 8 m/s": (
+        made(standing(2.5), standing(2.5), {"v": -8.0}), {("no_rolling", "driving"), ("no_rolling", "emergency")}),
+    "in a barrier beside the trajectory": (
+        made(steady(), braking(), {"y": 0.95}, obstacles=[thing(1.0, 1.8, 4.0, 0.6)]),
+        {("obstacle_contact", "driving"), ("obstacle_contact", "emergency")}),
+    "off the road beside the trajectory": (
+        made(steady(), braking(), {"y": 0.95}, track=wide(half=1.5)),
+        {("road_contact", "driving"), ("road_contact", "emergency")}),
+}  # fmt: skip
+
+
+@BACKENDS
+@pytest.mark.parametrize("way", WAYS)
+def test_it_is_not_safe(way: str, backend: str) -> None:
+    given, found = WAYS[way]
+    assert against(given, backend) == found
+
+
+#: The same with nothing to object to.
+FINE: dict[str, Cycle] = {
+    "a way to rest that is short enough": made(
+        steady(), falling_back(braking(8.0), 0.0), objects=[car(40.0, v=15.0)]
+    ),
+    "8 deg aside at 20 m/s": made(steady(), braking(), {"heading": 0.14}),
+    "standing where the car stands": made(standing(), standing(), {"v": 0.0}, obstacles=[thing(2.7)]),
+    "standing behind a car that has crept on": made(
+        standing(-2.5), standing(-2.5), {"v": 1.0}, obstacles=[thing(9.0)]
+    ),
+    "at rest, as far as floats can say": made(
+        standing(), standing() | {"v": np.array([0.0, -1e-15])}, {"v": 0.0}
+    ),
+    "turning in with room": made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 6.0, 60.0)]),
+    "over in front of a slower car": made(
+        steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 20.0)]
+    ),
+    "beside a barrier": made(steady(), braking(), {"y": 0.95}, obstacles=[thing(1.0, 3.0, 4.0, 0.6)]),
+}
+
+
+@BACKENDS
+@pytest.mark.parametrize("what", FINE)
+def test_it_is_safe(what: str, backend: str) -> None:
+    assert against(FINE[what], backend) == set()
+
+
+@BACKENDS
+@pytest.mark.parametrize(("gap", "safe"), [(11.0, False), (24.0, True)])
+def test_inside_a_bend_the_way_along_the_line_counts(gap: float, safe: bool, backend: str) -> None:
+    """11 m along the middle of the road are 6.4 m on a line 5 m inside of it; the fallback takes 10.2 m."""
+    turned = (gap + LENGTH) / 17.0
+    other = car(12.0 * np.sin(turned), 17.0 - 12.0 * np.cos(turned), 1.0) | {"heading": turned}
+    given = made(
+        round_a_bend(steady(11.5), 12.0, 17.0),
+        round_a_bend(braking(6.5, 11.5, 100), 12.0, 17.0),
+        {"y": 5.0},
+        [other],
+        track=bend(17.0, 7.0),
+    )
+    found = against(given, backend)
+    assert (("safe_fallback", "emergency") in found) is not safe
+    assert (found == set()) is safe
+
+
+@BACKENDS
+@pytest.mark.parametrize(("age", "safe"), [(0.0, True), (0.1, False)])
+def test_a_pose_that_is_old_takes_room(age: float, safe: bool, backend: str) -> None:
+    """6 m of 60 m/s; 18.6 m are needed with a fresh one."""
+    driving, emergency = steady(60.0), braking(12.9, 60.0, 100)
+    for columns in (driving, emergency):
+        columns["x"] += 60.0 * age
+    found = against(made(driving, emergency, {"age": age}, [car(LENGTH + 21.0, v=60.0)]), backend)
+    assert ({rule for rule, _ in found} >= {"safe_gap", "safe_side"}) is not safe
+    assert (found == set()) is safe
