@@ -166,7 +166,7 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "20 deg aside at 60 m/s": (
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (
-        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving")}),
+        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("heading_integrity", "driving")}),
     "standing behind a car that drives towards a barrier": (
         made(standing(-2.5), standing(-2.5), {"v": 8.0}, obstacles=[thing(2.7)]), {("overrun_obstacle", "emergency")}),
     "and towards the end of the road": (
@@ -257,21 +257,10 @@ def test_inside_a_bend_the_way_along_the_line_counts(gap: float, safe: bool, bac
 @BACKENDS
 @pytest.mark.parametrize(("age", "safe"), [(0.0, True), (0.1, False)])
 def test_a_pose_that_is_old_takes_room(age: float, safe: bool, backend: str) -> None:
-    """26.7 m are needed, and 17.7 m with a fresh one."""
+    """6 m of 60 m/s; 18.6 m are needed with a fresh one."""
     driving, emergency = steady(60.0), braking(12.9, 60.0, 100)
     for columns in (driving, emergency):
         columns["x"] += 60.0 * age
-    found = against(made(driving, emergency, {"age": age}, [car(LENGTH + 26.2, v=60.0)]), backend)
+    found = against(made(driving, emergency, {"age": age}, [car(LENGTH + 21.0, v=60.0)]), backend)
     assert ({rule for rule, _ in found} >= {"safe_gap", "safe_side"}) is not safe
     assert (found == set()) is safe
-
-
-@BACKENDS
-@pytest.mark.parametrize(("further", "safe"), [(2.0, False), (9.0, True)])
-def test_a_fallback_is_taken_up_after_a_response(further: float, safe: bool, backend: str) -> None:
-    """On a wet road at 40 m/s: 8 m are driven before, and no brake makes up for them. On a dry one, safe_gap counts for that."""
-    emergency = wet(braking(5.2, 40.0, 110), 0.4)
-    given = made(
-        wet(steady(40.0), 0.4), emergency, objects=[car(emergency["s"][-1] + further + LENGTH)], track=wide()
-    )
-    assert against(given, backend) == (set() if safe else {("safe_fallback", "emergency")})
