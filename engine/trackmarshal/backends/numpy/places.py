@@ -24,6 +24,8 @@ Floats = NDArray[np.float64]
 KEPT = 32
 #: So many swept footprints are worth a search for those that need not be looked at closely.
 MANY = 400
+#: So many footprints of a case are worth a look at which of them are near a box at all.
+BOUNDED = 8
 #: So many cases are asked by themselves for all their margins, before those of all are worked out.
 ASKED = 4
 #: With more cases than this it is worth looking for those that are like the one before.
@@ -59,6 +61,36 @@ def swept_clear(*args: Any) -> tuple[Any, Any]:
         return _sides(np.empty(shape))
     margin = np.asarray(geometry.boxes_clear(*args))
     return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
+
+
+def asked_clear(
+    conditions: Sequence[Any], by_case: bool, *args: Any
+) -> tuple[Any, Any, bool]:
+    """The same, of which only what may count is worked out, for a `for all` of it; the third value: whether anything was left out.
+
+    conditions: arrays of what must hold for a margin to count; None says nothing. by_case: of the margins of a case that count, only the
+    least does.
+    """
+    shape = np.broadcast(*args).shape
+    if 0 in shape:
+        return (*_sides(np.empty(shape)), False)
+    asked = None
+    for condition in conditions:
+        if condition is not None:
+            asked = condition if asked is None else asked & condition
+    if asked is not None:
+        if not asked.any():
+            return logic.INF, logic.INF, True
+        if asked.all():
+            asked = None
+        elif np.broadcast_shapes(asked.shape, shape) == shape:
+            asked = np.broadcast_to(asked, shape)
+        else:  # what does not vary may count for some and not for others
+            asked = None
+    by_case = by_case and math.prod(shape) >= BOUNDED * shape[0]
+    margin = geometry.least_clear(args, asked, by_case)
+    margin = touching.settled(margin, args, lambda at, row: touching.clear(row))
+    return (*_sides(margin), by_case or asked is not None)
 
 
 def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
