@@ -79,9 +79,9 @@ def asked_clear(
         if condition is not None:
             asked = condition if asked is None else asked & condition
     if asked is not None:
-        if not asked.any():
+        if 1 not in asked.tobytes():
             return logic.INF, logic.INF, True
-        if asked.all():
+        if logic.full(asked):
             asked = None
         elif np.broadcast_shapes(asked.shape, shape) == shape:
             asked = np.broadcast_to(asked, shape)
@@ -103,8 +103,8 @@ def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
 
 def _sides(margin: Any) -> tuple[Any, Any]:
     """The worst and the best margin of signed distances; NaN is none."""
-    known = ~np.isnan(margin)
-    return (margin, margin) if known.all() else logic.partly(margin, known)
+    known = margin == margin  # NaN is not
+    return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 
 class Least:
