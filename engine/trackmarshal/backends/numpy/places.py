@@ -22,7 +22,8 @@ Floats = NDArray[np.float64]
 
 #: Prepared borders and lines that are kept; a run has one or two tracks.
 KEPT = 32
-#: So many swept footprints are worth a search for those that need not be looked at closely.
+#: Of more swept footprints than this of a trajectory those are sought that are nearest; of more in all, in a search with bounds.
+FEW_FOOTPRINTS = 8
 MANY = 400
 #: So many footprints of a case are worth a look at which of them are near a box at all.
 BOUNDED = 8
@@ -141,17 +142,25 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
     """
     shape = np.broadcast(*args).shape
     size = shape[axis] if shape else 1  # what all cases share may be one footprint
-    if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+    if size <= FEW_FOOTPRINTS or math.prod(shape[axis:]) > size:
         return (*swept_inside(batch, area, *args), None)
     owners = _owners(batch, area)
     if len(owners) > 1:
         return (*swept_inside(batch, area, *args), None)
     counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
-    flat, exact = owners[0].least_inside(args, size, counted.reshape(-1))
+    flat: Any
+    if math.prod(shape) <= MANY:
+        flat, exact = owners[0].nearest_inside(args, size, counted.reshape(-1)), None
+        if flat is None:
+            return (*swept_inside(batch, area, *args), None)
+    else:
+        flat, exact = owners[0].least_inside(args, size, counted.reshape(-1))
     # What is next to zero is the least of its trajectory, or as good as: all that counts is exact there, and none is left out.
     margin = _settled(owners, flat.reshape(shape), args)
 
     def exactly() -> Any:
+        if exact is None:
+            return _settled(owners, owners[0].margin_inside(*args).reshape(shape), args)
         made = margin.copy()
         places = (~exact).nonzero()[0]
         body = (_flat(arg, shape) for arg in args)

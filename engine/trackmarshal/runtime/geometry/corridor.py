@@ -22,7 +22,7 @@ from trackmarshal.runtime.geometry.arrays import (
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.crossings import meeting_fault, turns
 from trackmarshal.runtime.geometry.curve import Curves
-from trackmarshal.runtime.geometry.least import least_inside
+from trackmarshal.runtime.geometry.least import least_inside, nearest_inside
 from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
 from trackmarshal.runtime.geometry.quads import union_of_quads
 from trackmarshal.runtime.geometry.region import Region
@@ -70,6 +70,14 @@ class Area:
         if self._region is None:
             return np.full(poses.shape[1], np.nan), np.ones(poses.shape[1], dtype=np.bool_)
         return least_inside(self._region, poses, long, wide, bends, size, counted)
+
+    def nearest_inside(self, body: Sequence[ArrayLike], size: int, counted: Bools) -> Floats | None:
+        """The same of few groups: margins, of which the least of each group is exact and the others are no less; None where that takes more
+        than a look at what is nearest."""
+        if self._region is None:
+            return None
+        poses, long, wide, bends = _bodies(body[:6], body[6], body[7], body[8:])
+        return nearest_inside(self._region, poses, long, wide, bends, size, counted)
 
     @property
     def border(self) -> Border | None:
