@@ -89,6 +89,12 @@ class Area:
         if self._region is None:
             return True
         left, right, low, high = self._region.box
+        if x.size and y.size:
+            ends = (np.minimum.reduce(x, None), np.minimum.reduce(y, None)), (np.maximum.reduce(x, None), np.maximum.reduce(y, None))
+            (first_x, first_y), (last_x, last_y) = ends
+            if first_x > right or last_x < left or first_y > high or last_y < low:  # NaN is not
+                if min(first_x, first_y) >= -LIMIT and max(last_x, last_y) <= LIMIT:
+                    return False
         # Points that are none are off no box.
         off: Bools = (x < left) | (x > right) | (y < low) | (y > high)
         return not (off & (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)).all()

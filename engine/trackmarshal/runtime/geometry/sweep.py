@@ -61,7 +61,7 @@ class Sweeps:
         turn_cos = product[0] + product[1]
         turn_sin = unit[0, 0] * unit[1, 1] - unit[1, 0] * unit[0, 1]
         size = np.abs(turn_sin)
-        if (turn_cos < size).any():
+        if 1 in (turn_cos < size).tobytes():
             turn_cos, turn_sin = _quarter_turns(frame, turn_cos, turn_sin)
             size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
