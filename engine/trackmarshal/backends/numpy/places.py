@@ -87,7 +87,7 @@ def asked_clear(
         elif np.broadcast_shapes(asked.shape, shape) == shape:
             asked = np.broadcast_to(asked, shape)
         else:  # what does not vary may count for some and not for others
-            asked = None
+            asked, by_case = None, False
     by_case = by_case and math.prod(shape) >= BOUNDED * shape[0]
     margin = geometry.least_clear(args, asked, by_case)
     margin = touching.settled(margin, args, lambda at, row: touching.clear(row))
