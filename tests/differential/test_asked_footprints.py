@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from pathlib import Path
@@ -10,7 +11,11 @@ from typing import Any
 import pytest
 
 from trackmarshal.backends.numpy import places
+from trackmarshal.backends.numpy.program import NumpyProgram
+from trackmarshal.backends.numpy.views import CaseView
+from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.ir import nodes as ir
 
 SPECS = Path(__file__).parents[2] / "specs" / "supervisor"
 RULES = ["static_collision", "obstacle_collision", "fallback_collision", "contact"]
@@ -85,8 +90,6 @@ def test_as_the_reference(
     spec = load([SPECS])
     given = cases(random.Random(100 * seed + count), count)
     numpy, reference = (Evaluator(spec, RULES, backend) for backend in ("numpy", "reference"))
-    assert isinstance(numpy.program.code.partly, dict)  # type: ignore[attr-defined]
-    assert len(numpy.program.code.partly) >= 5  # type: ignore[attr-defined]
     pairs = zip(*(one.judge_all(one.read_all(given)) for one in (numpy, reference)))
     for found, expected in pairs:
         found, expected = found.rated[""], expected.rated[""]
@@ -95,3 +98,32 @@ def test_as_the_reference(
         for rule in range(len(RULES)):
             for series in (False, True):
                 assert repr(found.explain(rule, series)) == repr(expected.explain(rule, series))
+
+
+@pytest.mark.parametrize("asked", [0, 2, 100])
+def test_whoever_asks_for_what_was_left_out_gets_it(asked: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every formula on the way to a rule, of every object and every sample."""
+    monkeypatch.setattr(places, "BOUNDED", 0)
+    monkeypatch.setattr(places, "ASKED", asked)
+    evaluator = Evaluator(load([SPECS]), RULES)
+    program = evaluator.program
+    assert isinstance(program, NumpyProgram)
+    frames = evaluator.read_all(cases(random.Random(5), 6))
+    run = program.run(frames)
+    assert len(program.code.partly) >= 5
+    told = 0
+    for index, frame in enumerate(frames):
+        view, reference = CaseView(run, index), Reference(evaluator.spec, frame)
+        for node in program.code.partly:
+            levels = {axis.level: axis for axis in ir.below(node) if isinstance(axis, ir.Axis)}
+            bound = {each.axis.level for each in ir.below(node) if isinstance(each, ir.Quantify)}
+            free = sorted(level for level in levels if level not in bound)
+            for places_ in itertools.product(*(range(view.count(levels[level])) for level in free)):
+                env = dict(zip(free, places_))
+                found, expected = view.truth(node, env), reference.truth(node, env)
+                for side, other in ((found.worst, expected.worst), (found.best, expected.best)):
+                    assert side.sat == other.sat
+                    # Corners that lie on one line are a matter of rounding.
+                    assert side.margin == pytest.approx(other.margin, abs=1e-12, rel=1e-12)
+                told += 1
+    assert told > 100

@@ -72,7 +72,7 @@ def test_whoever_touches_the_border_or_is_off_the_course_gets_no_answer() -> Non
     area = course(200, 0.0, 12.0)
     shares = {True: 0, False: 0}
     for _ in range(200):
-        poses = trips(generator, 6.0)
+        poses = trips(generator, generator.choice([5.0, 20.0]))
         body = (*poses, *map(np.array, BODY))
         counted = np.ones(poses.shape[1], dtype=np.bool_)
         truth = area.margin_inside(*body).reshape(2, -1).min(axis=1)
@@ -106,9 +106,10 @@ def test_ways_with_a_leap_in_between_get_no_answer() -> None:
 def test_few_are_looked_at() -> None:
     poses = trips(np.random.default_rng(5), 1.0)
     area, counted = course(300, 0.0, 14.0), np.ones(2 * COUNT, dtype=np.bool_)
-    with mock.patch.object(Region, "margin_inside", side_effect=AssertionError), mock.patch.object(
-        least, "alone", wraps=alone
-    ) as looked:
+    with (
+        mock.patch.object(Region, "margin_inside", side_effect=AssertionError),
+        mock.patch.object(least, "alone", wraps=alone) as looked,
+    ):
         assert area.nearest_inside((*poses, *map(np.array, BODY)), COUNT, counted) is not None
     assert looked.distance.call_count <= 8
 
@@ -151,7 +152,9 @@ def test_clear_of_boxes_where_asked_and_as_far_as_it_is_the_least(kappa: float |
             counted = truth if mask is None else np.where(mask, truth, np.inf)
             found = least_clear(args, mask, True)
             assert np.array_equal(np.isnan(found), np.isnan(counted))
-            assert np.array_equal(np.fmin.reduce(found, axis=(1, 2)), np.fmin.reduce(counted, axis=(1, 2)), equal_nan=True)
+            assert np.array_equal(
+                np.fmin.reduce(found, axis=(1, 2)), np.fmin.reduce(counted, axis=(1, 2)), equal_nan=True
+            )
             assert ((found == counted) | (found == np.inf) | np.isnan(counted)).all()
 
 

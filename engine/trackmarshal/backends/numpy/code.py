@@ -81,9 +81,7 @@ class Asked(NamedTuple):
 class Code:
     """Source of two functions: of what no case changes unless it overrides a parameter, and of the rest."""
 
-    def __init__(
-        self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula], rank: int = 1
-    ) -> None:
+    def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula], rank: int = 1) -> None:
         """Of the `ranges`, other than of the `formulas`, only whether they hold is asked. rank: of arrays, at least."""
         every = ordered([*formulas, *ranges])
         #: Of nodes that are computed alike, the one that is.
@@ -496,7 +494,11 @@ class Code:
             at: ir.Num | ir.Formula = node
             while uses[at] == 1:
                 user = users.get(at)
-                if isinstance(user, ir.Quantify) and user.extreme is Extreme.LEAST and self._same[user.body] is at:
+                if (
+                    isinstance(user, ir.Quantify)
+                    and user.extreme is Extreme.LEAST
+                    and self._same[user.body] is at
+                ):
                     axes.append(user.axis)
                 elif not (isinstance(user, ir.Guarded) and self._same[user.body] is at):
                     break

@@ -5,6 +5,7 @@ A value without anything undefined has the same arrays for both, and everything 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,7 +17,8 @@ INF, MINUS_INF, ZERO = np.array(np.inf), np.array(-np.inf), np.array(0.0)
 
 
 #: The same without the search for who else may define them, which takes as long as they do for a few numbers.
-where, vdot = (getattr(f, "_implementation", f) for f in (np.where, np.vdot))
+where: Callable[..., Any] = getattr(np.where, "_implementation", np.where)
+vdot: Callable[..., Any] = getattr(np.vdot, "_implementation", np.vdot)
 
 
 def full(flags: Any) -> bool:
@@ -110,7 +112,9 @@ def every(margin: Any, axis: int, inside: Array | None) -> Any:
         margin = where(inside, margin, INF)  # holds wherever it is asked for
     elif margin.ndim == 0 or margin.shape[axis] == 1:
         return margin  # nothing varies along the axis, and it is not empty
-    least: Any = np.minimum.reduce(margin, axis, None, None, True, INF)  # by place: names take longer than a few numbers
+    least: Any = np.minimum.reduce(
+        margin, axis, None, None, True, INF
+    )  # by place: names take longer than a few numbers
     return least
 
 

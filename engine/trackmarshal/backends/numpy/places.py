@@ -64,9 +64,7 @@ def swept_clear(*args: Any) -> tuple[Any, Any]:
     return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
 
 
-def asked_clear(
-    conditions: Sequence[Any], by_case: bool, *args: Any
-) -> tuple[Any, Any, bool]:
+def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[Any, Any, bool]:
     """The same, of which only what may count is worked out, for a `for all` of it; the third value: whether anything was left out.
 
     conditions: arrays of what must hold for a margin to count; None says nothing. by_case: of the margins of a case that count, only the
@@ -104,7 +102,7 @@ def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
 
 def _sides(margin: Any) -> tuple[Any, Any]:
     """The worst and the best margin of signed distances; NaN is none."""
-    known = margin == margin  # NaN is not
+    known = np.equal(margin, margin)  # NaN is not
     return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 

@@ -139,7 +139,9 @@ class _Cases:
     ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
         """(sides, cases) of whether they hold, and of their margins; of all sides, or of chosen ones."""
         sides = range(len(self._margins)) if chosen is None else chosen
-        margins = _by_case([values[self._margins[side]] for side in sides], size) + 0.0  # a margin of zero is 0.0 by definition
+        margins = (
+            _by_case([values[self._margins[side]] for side in sides], size) + 0.0
+        )  # a margin of zero is 0.0 by definition
         at_zero = self._at_zero if chosen is None else self._at_zero.take(chosen, axis=0)
         sat = logic.where(at_zero, margins >= 0.0, margins > 0.0)
         for row, side in enumerate(sides if self._sats else ()):

@@ -114,7 +114,7 @@ def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
 def flagged(code: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a Boolean, given as 1, 0 and NaN for a missing value."""
     margin = logic.where(code == 1.0, logic.INF, logic.MINUS_INF)
-    known = code == code  # NaN is not
+    known = np.equal(code, code)  # NaN is not
     return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 

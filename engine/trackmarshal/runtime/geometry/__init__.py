@@ -5,4 +5,12 @@ from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
 from trackmarshal.runtime.geometry.paths import distance_to_paths
 from trackmarshal.runtime.geometry.polyline import Polyline
 
-__all__ = ["Corridor", "Polygon", "Polyline", "boxes_clear", "distance_to_paths", "least_clear", "sweeps_clear"]
+__all__ = [
+    "Corridor",
+    "Polygon",
+    "Polyline",
+    "boxes_clear",
+    "distance_to_paths",
+    "least_clear",
+    "sweeps_clear",
+]

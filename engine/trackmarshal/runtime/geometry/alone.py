@@ -38,12 +38,19 @@ def distance(border: Border, sweeps: Sweeps, row: int, k: int) -> tuple[float, b
 
 def _outline(sweeps: Sweeps, row: int) -> list[tuple[float, float, float, float, float]]:
     """The corners of a hull, with the vector of the side that begins there and its square: 0 where none does."""
-    (centre_x, centre_y), (ahead_x, ahead_y), (left_x, left_y), (unit_x, unit_y) = sweeps.frame[..., row].tolist()
+    (centre_x, centre_y), (ahead_x, ahead_y), (left_x, left_y), (unit_x, unit_y) = sweeps.frame[
+        ..., row
+    ].tolist()
     turn_cos, turn_sin = sweeps.turn_of(row)
     corners = []
     for f in (0, 1):
         x, y = centre_x[f], centre_y[f]
-        fx, fy, bx, by = ahead_x[f] + left_x[f], ahead_y[f] + left_y[f], left_x[f] - ahead_x[f], left_y[f] - ahead_y[f]
+        fx, fy, bx, by = (
+            ahead_x[f] + left_x[f],
+            ahead_y[f] + left_y[f],
+            left_x[f] - ahead_x[f],
+            left_y[f] - ahead_y[f],
+        )
         corners.append([(x + fx, y + fy), (x + bx, y + by), (x - fx, y - fy), (x - bx, y - by)])
     first, second = corners
     back = complex(unit_x[0], -unit_y[0])

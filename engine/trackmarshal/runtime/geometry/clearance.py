@@ -85,7 +85,9 @@ def _maybe_least(body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, group
         at_most = np.sqrt(x * x + y * y) - (inner.take(i) + box_inner.take(j))
         x -= half_x.take(i)
         y -= half_y.take(i)
-        at_least = np.sqrt(x * x + y * y) - (outer.take(i) + (0.5 * np.sqrt(long * long + wide * wide)).take(j))
+        at_least = np.sqrt(x * x + y * y) - (
+            outer.take(i) + (0.5 * np.sqrt(long * long + wide * wide)).take(j)
+        )
         # What is none has no bounds; of what has none, nothing follows for others.
         none = _none(bodies).take(i) | _none(boxes).take(j)
         at_most[none], at_least[none] = np.inf, -np.inf

@@ -90,7 +90,10 @@ class Area:
             return True
         left, right, low, high = self._region.box
         if x.size and y.size:
-            ends = (np.minimum.reduce(x, None), np.minimum.reduce(y, None)), (np.maximum.reduce(x, None), np.maximum.reduce(y, None))
+            ends = (
+                (np.minimum.reduce(x, None), np.minimum.reduce(y, None)),
+                (np.maximum.reduce(x, None), np.maximum.reduce(y, None)),
+            )
             (first_x, first_y), (last_x, last_y) = ends
             if first_x > right or last_x < left or first_y > high or last_y < low:  # NaN is not
                 if min(first_x, first_y) >= -LIMIT and max(last_x, last_y) <= LIMIT:

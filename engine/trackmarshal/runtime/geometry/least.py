@@ -10,7 +10,7 @@ import numpy as np
 from trackmarshal.runtime.geometry import alone
 from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
-from trackmarshal.runtime.geometry.curve import MOST, Curves, Hulls
+from trackmarshal.runtime.geometry.curve import MOST, Curves
 from trackmarshal.runtime.geometry.region import AT_ONCE, Region
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
@@ -113,7 +113,10 @@ def nearest_inside(
 def _distances(region: Region, sweeps: Sweeps, rows: Ints, k: Ints) -> Iterator[tuple[int, float, bool]]:
     """Which hulls are how far from their segments, and whether they lie left of the border, if no other is nearer."""
     if rows.size <= ALONE:
-        found = [(row, *alone.distance(region.border, sweeps, row, at)) for row, at in zip(rows.tolist(), k.tolist())]
+        found = [
+            (row, *alone.distance(region.border, sweeps, row, at))
+            for row, at in zip(rows.tolist(), k.tolist())
+        ]
         if not any(left is None for _, _, left in found):
             yield from ((row, distance, bool(left)) for row, distance, left in found)
             return

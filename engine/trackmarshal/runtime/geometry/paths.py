@@ -22,7 +22,9 @@ def distance_to_paths(
     usable: Bools | None = None
     # Mostly all paths are equally long and all points are fine; NaN is not.
     if not (
-        0 not in there.tobytes() and np.abs(points).max(initial=0.0) <= LIMIT and np.abs(path).max(initial=0.0) <= LIMIT
+        0 not in there.tobytes()
+        and np.abs(points).max(initial=0.0) <= LIMIT
+        and np.abs(path).max(initial=0.0) <= LIMIT
     ):
         sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
         fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
