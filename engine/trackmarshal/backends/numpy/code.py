@@ -94,7 +94,7 @@ class Code:
         self._asked = self._asked_for_least(nodes, [*formulas, *ranges])
         self._least: dict[ir.IR, str] = {}
         #: Swept footprints that keep clear of a box, of which only some are asked; and the variables that say whether any were left out.
-        self._asked_of = self._asked_of_some(nodes, [*formulas, *ranges])
+        self._asked_of: dict[ir.IR, Asked] = self._asked_of_some(nodes, [*formulas, *ranges])
         self._left_out: dict[ir.IR, str] = {}
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
@@ -351,12 +351,12 @@ class Code:
                 self._line(node, f"{both}, g{number} = least({asked}, {axis})")
                 return own
             case ir.SweptClear():
-                asked = self._asked_of.get(node)
-                if asked is None:
+                some = self._asked_of.get(node)
+                if some is None:
                     self._line(node, f"{both} = clear({', '.join(at)})")
                     return own
                 self._left_out[node] = f"g{number}"
-                self._line(node, f"{both}, g{number} = asked_clear({self._counted(asked)}, {', '.join(at)})")
+                self._line(node, f"{both}, g{number} = asked_clear({self._counted(some)}, {', '.join(at)})")
                 return own
             case ir.Scaled():
                 (part,) = parts
@@ -481,12 +481,12 @@ class Code:
 
     def _asked_of_some(
         self, nodes: Sequence[ir.Num | ir.Formula], roots: Sequence[ir.Formula]
-    ) -> dict[ir.Num | ir.Formula, Asked]:
+    ) -> dict[ir.IR, Asked]:
         """Swept footprints that keep clear of a box, which a `for all` asks for and nobody else."""
         uses = Counter(child for node in nodes for child in self._inputs(node))
         uses.update(self._same[root] for root in roots)
         users = {child: node for node in nodes for child in self._inputs(node)}
-        found = {}
+        found: dict[ir.IR, Asked] = {}
         for node in nodes:
             if not isinstance(node, ir.SweptClear):
                 continue

@@ -20,6 +20,11 @@ INF, MINUS_INF, ZERO = np.array(np.inf), np.array(-np.inf), np.array(0.0)
 where: Callable[..., Any] = getattr(np.where, "_implementation", np.where)
 vdot: Callable[..., Any] = getattr(np.vdot, "_implementation", np.vdot)
 
+#: Taken by place: names take longer than a few numbers.
+least_along: Callable[..., Any] = np.minimum.reduce
+most_along: Callable[..., Any] = np.maximum.reduce
+any_along: Callable[..., Any] = np.logical_or.reduce
+
 
 def full(flags: Any) -> bool:
     """Whether all of some Booleans are true, also where there are none: for a few several times as fast as asking numpy."""
@@ -112,22 +117,18 @@ def every(margin: Any, axis: int, inside: Array | None) -> Any:
         margin = where(inside, margin, INF)  # holds wherever it is asked for
     elif margin.ndim == 0 or margin.shape[axis] == 1:
         return margin  # nothing varies along the axis, and it is not empty
-    least: Any = np.minimum.reduce(
-        margin, axis, None, None, True, INF
-    )  # by place: names take longer than a few numbers
-    return least
+    return least_along(margin, axis, None, None, True, INF)
 
 
 def some(margin: Any, axis: int, inside: Array | None) -> Any:
     """The margin of `exists`, in the same way."""
     if inside is not None:
         if margin.ndim == 0:  # of one formula for all there is one, if there is any
-            return where(np.logical_or.reduce(inside, axis, None, None, True), margin, MINUS_INF)
+            return where(any_along(inside, axis, None, None, True), margin, MINUS_INF)
         margin = where(inside, margin, MINUS_INF)
     elif margin.ndim == 0 or margin.shape[axis] == 1:
         return margin
-    most: Any = np.maximum.reduce(margin, axis, None, None, True, MINUS_INF)
-    return most
+    return most_along(margin, axis, None, None, True, MINUS_INF)
 
 
 def every_sat(sat: Any, axis: int, inside: Array | None) -> Any:

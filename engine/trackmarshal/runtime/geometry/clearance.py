@@ -52,7 +52,7 @@ def least_clear(args: Sequence[ArrayLike], asked: Bools | None, least: bool) -> 
     asked: of the shape that all arguments broadcast to. least: of each entry along the first axis only the least margin of what is asked
     for counts, so greater ones may be infinite too; what has no margin is NaN all the same.
     """
-    body, box = _table((*args[:8], *args[13:])), _table(args[8:13])
+    body, box = _table((*args[:8], *args[13:])), _table(tuple(args[8:13]))
     shape = np.broadcast_shapes(body.shape[1:], box.shape[1:])
     i, j = _numbered(body, box, shape)
     margin = np.full(i.size, np.inf)
@@ -95,7 +95,8 @@ def _maybe_least(body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, group
         counts = counts_of(starts, groups.size)
         most = np.minimum.reduceat(at_most, starts)
         scale = max(np.abs(table).max(where=np.abs(table) <= LIMIT, initial=0.0) for table in (bodies, boxes))
-        return pairs[~(at_least > most.repeat(counts) + (UNSURE + SHARE * scale))]
+        near: Ints = pairs[~(at_least > most.repeat(counts) + (UNSURE + SHARE * scale))]
+    return near
 
 
 def _none(table: Floats) -> Bools:
