@@ -109,9 +109,11 @@ def _sides(margin: Any) -> tuple[Any, Any]:
 class Least:
     """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
 
-    def __init__(self, exactly: Callable[[], Any], alone: Callable[[int], tuple[Any, Any]]) -> None:
-        """`exactly` gives all margins, `alone` the worst and the best ones of a single case."""
-        self._exactly, self._alone = exactly, alone
+    def __init__(
+        self, exactly: Callable[[], Any], alone: Callable[[int], tuple[Any, Any]], few: bool = False
+    ) -> None:
+        """`exactly` gives all margins, `alone` the worst and the best ones of a single case. few: no case is asked by itself."""
+        self._exactly, self._alone, self._few = exactly, alone, few
         self._asked: dict[int, logic.Value] = {}
 
     @cached_property
@@ -121,7 +123,7 @@ class Least:
 
     def about(self, case: int) -> logic.Value:
         """The predicate's value in a case, or everywhere, once some have been asked for: of a long run mostly the worst cycle is."""
-        if case not in self._asked and len(self._asked) >= ASKED:
+        if self._few or (case not in self._asked and len(self._asked) >= ASKED):
             return self.value
         found = self._asked.get(case)
         if found is None:
@@ -174,7 +176,7 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
         )
         return swept_inside(batch, area, *rows)
 
-    return (*_sides(margin), Least(exactly, alone))
+    return (*_sides(margin), Least(exactly, alone, exact is None))
 
 
 def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
