@@ -199,7 +199,9 @@ class Batch:
         if axis not in self._masks:
             counts, size = self.counts(axis.signal), self.count(axis)
             there = None
-            if size == 0 or counts.count(counts[0]) < len(counts):
+            if size == 0:
+                there = self.on_axis(np.zeros((self.size, 0), dtype=np.bool_), axis)
+            elif counts.count(counts[0]) < len(counts):
                 own = np.array(counts)[:, None] - (axis.width - 1)
                 there = self.on_axis(np.arange(size) < own, axis)
             self._masks[axis] = there

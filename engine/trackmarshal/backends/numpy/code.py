@@ -21,11 +21,11 @@ from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
-    "where": np.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
+    "where": logic.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
-    "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear,
+    "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear, "asked_clear": places.asked_clear,
     "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator, "tally": tallies.tally,
     "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
@@ -68,21 +68,34 @@ class Variables(NamedTuple):
         return tuple(filter(None, (self.worst, self.best, self.worst_sat, self.best_sat)))
 
 
+class Asked(NamedTuple):
+    """Who asks for a margin: by which axes, under which guards; and the formulas on the way to whoever asks for the least, from the margin's on."""
+
+    axes: tuple[ir.Axis, ...]
+    guards: tuple[ir.Formula, ...]
+    partly: tuple[ir.Num | ir.Formula, ...]
+    #: Whether the least margin of a case is all that is asked.
+    by_case: bool
+
+
 class Code:
     """Source of two functions: of what no case changes unless it overrides a parameter, and of the rest."""
 
-    def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula]) -> None:
-        """Of the `ranges`, other than of the `formulas`, only whether they hold is asked."""
+    def __init__(self, formulas: Sequence[ir.Formula], ranges: Sequence[ir.Formula], rank: int = 1) -> None:
+        """Of the `ranges`, other than of the `formulas`, only whether they hold is asked. rank: of arrays, at least."""
         every = ordered([*formulas, *ranges])
         #: Of nodes that are computed alike, the one that is.
         self._same = representatives(every)
         nodes = list(dict.fromkeys(self._same.values()))
         self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
-        self.rank = max([1, *(axis.level + 2 for axis in axes)])
+        self.rank = max([rank, *(axis.level + 2 for axis in axes)])
         #: Predicates of which only the least margin is asked, by a `for all`, with its axis; and variables that hold the rest.
         self._asked = self._asked_for_least(nodes, [*formulas, *ranges])
         self._least: dict[ir.IR, str] = {}
+        #: Swept footprints that keep clear of a box, of which only some are asked; and the variables that say whether any were left out.
+        self._asked_of: dict[ir.IR, Asked] = self._asked_of_some(nodes, [*formulas, *ranges])
+        self._left_out: dict[ir.IR, str] = {}
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
         #: Objects that the source names.
@@ -115,6 +128,13 @@ class Code:
             for node, one in self._same.items()
             if one in self._least
         }
+        #: Where, among the outputs, is whether a formula's margins are only those that its rule's verdict takes.
+        partly = {
+            part: self.outputs.index(name)
+            for one, name in self._left_out.items()
+            for part in self._asked_of[one].partly
+        }
+        self.partly = {node: partly[one] for node, one in self._same.items() if one in partly}
 
     def functions(self) -> tuple[Callable[[Any], tuple[Any, ...]], Callable[[Any, Any], tuple[Any, ...]]]:
         """The compiled functions: of a batch; of a batch and what the first one gave.
@@ -137,7 +157,7 @@ class Code:
     def outputs(self) -> list[str]:
         """All variables of formulas, and of what knows their margins where those do not."""
         names = dict.fromkeys(name for formula in self.formulas.values() for name in formula.names)
-        return [*names, *self._least.values()]
+        return [*names, *self._least.values(), *self._left_out.values()]
 
     # Variables ------------------------------------------------------------------------------------------------
 
@@ -331,7 +351,12 @@ class Code:
                 self._line(node, f"{both}, g{number} = least({asked}, {axis})")
                 return own
             case ir.SweptClear():
-                self._line(node, f"{both} = clear({', '.join(at)})")
+                some = self._asked_of.get(node)
+                if some is None:
+                    self._line(node, f"{both} = clear({', '.join(at)})")
+                    return own
+                self._left_out[node] = f"g{number}"
+                self._line(node, f"{both}, g{number} = asked_clear({self._counted(some)}, {', '.join(at)})")
                 return own
             case ir.Scaled():
                 (part,) = parts
@@ -453,6 +478,45 @@ class Code:
             if isinstance(node.body, ir.SweptInside)
             if uses[self._same[node.body]] == 1
         }
+
+    def _asked_of_some(
+        self, nodes: Sequence[ir.Num | ir.Formula], roots: Sequence[ir.Formula]
+    ) -> dict[ir.IR, Asked]:
+        """Swept footprints that keep clear of a box, which a `for all` asks for and nobody else."""
+        uses = Counter(child for node in nodes for child in self._inputs(node))
+        uses.update(self._same[root] for root in roots)
+        users = {child: node for node in nodes for child in self._inputs(node)}
+        found: dict[ir.IR, Asked] = {}
+        for node in nodes:
+            if not isinstance(node, ir.SweptClear):
+                continue
+            axes, guards, partly = list[ir.Axis](), list[ir.Formula](), list[ir.Num | ir.Formula]()
+            at: ir.Num | ir.Formula = node
+            while uses[at] == 1:
+                user = users.get(at)
+                if (
+                    isinstance(user, ir.Quantify)
+                    and user.extreme is Extreme.LEAST
+                    and self._same[user.body] is at
+                ):
+                    axes.append(user.axis)
+                elif not (isinstance(user, ir.Guarded) and self._same[user.body] is at):
+                    break
+                if user.guard is not None:
+                    guards.append(user.guard)
+                partly.append(at)
+                at = user
+            if axes:
+                varying = {below for below in ir.below(node) if isinstance(below, ir.Axis)}
+                found[node] = Asked(tuple(axes), tuple(guards), tuple(partly), varying.issubset(axes))
+        return found
+
+    def _counted(self, asked: Asked) -> str:
+        """What must hold for margins to count, and whether only the least of a case does: where it is known what counts."""
+        guards = [self.formulas[self._same[guard]] for guard in asked.guards]
+        conditions = _tuple([*map(self._mask, asked.axes), *(guard.sat(True) for guard in guards)])
+        certain = [f"{guard.best} is {guard.worst}" for guard in guards]
+        return f"{conditions}, {asked.by_case and (' and '.join(certain) or True)}"
 
     def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
         return self._sides(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.backends.numpy.grids import Steps
+from trackmarshal.backends.numpy.logic import full, where
 from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 
 
@@ -28,8 +29,9 @@ class Curve:
         if len(self.slopes):
             index = self.inner.searchsorted(x, side="right")
             between = self.values.take(index) + self.slopes.take(index) * (x - self.knots.take(index))
-        result = np.where(x <= first, self.values[0], np.where(x >= last, self.values[-1], between))
-        return np.where(np.isfinite(x), result, np.nan)
+        result = where(x <= first, self.values[0], where(x >= last, self.values[-1], between))
+        known = np.isfinite(x)
+        return result if full(known) else where(known, result, np.nan)
 
 
 def reader(knots: Sequence[float], values: Sequence[float], way: Way) -> Curve | Steps:

@@ -22,8 +22,11 @@ Floats = NDArray[np.float64]
 
 #: Prepared borders and lines that are kept; a run has one or two tracks.
 KEPT = 32
-#: So many swept footprints are worth a search for those that need not be looked at closely.
+#: Of more swept footprints than this of a trajectory those are sought that are nearest; of more in all, in a search with bounds.
+FEW_FOOTPRINTS = 8
 MANY = 400
+#: So many footprints of a case are worth a look at which of them are near a box at all.
+BOUNDED = 8
 #: So many cases are asked by themselves for all their margins, before those of all are worked out.
 ASKED = 4
 #: With more cases than this it is worth looking for those that are like the one before.
@@ -61,6 +64,34 @@ def swept_clear(*args: Any) -> tuple[Any, Any]:
     return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
 
 
+def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[Any, Any, bool]:
+    """The same, of which only what may count is worked out, for a `for all` of it; the third value: whether anything was left out.
+
+    conditions: arrays of what must hold for a margin to count; None says nothing. by_case: of the margins of a case that count, only the
+    least does.
+    """
+    shape = np.broadcast(*args).shape
+    if 0 in shape:
+        return (*_sides(np.empty(shape)), False)
+    asked = None
+    for condition in conditions:
+        if condition is not None:
+            asked = condition if asked is None else asked & condition
+    if asked is not None:
+        if 1 not in asked.tobytes():
+            return logic.INF, logic.INF, True
+        if logic.full(asked):
+            asked = None
+        elif np.broadcast_shapes(asked.shape, shape) == shape:
+            asked = np.broadcast_to(asked, shape)
+        else:  # what does not vary may count for some and not for others
+            asked, by_case = None, False
+    by_case = by_case and math.prod(shape) >= BOUNDED * shape[0]
+    margin = geometry.least_clear(args, asked, by_case)
+    margin = touching.settled(margin, args, lambda at, row: touching.clear(row))
+    return (*_sides(margin), by_case or asked is not None)
+
+
 def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
     """The same of: a point is in an area."""
     shape = np.broadcast(x, y).shape
@@ -71,16 +102,18 @@ def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
 
 def _sides(margin: Any) -> tuple[Any, Any]:
     """The worst and the best margin of signed distances; NaN is none."""
-    known = ~np.isnan(margin)
-    return (margin, margin) if known.all() else logic.partly(margin, known)
+    known = np.equal(margin, margin)  # NaN is not
+    return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 
 class Least:
     """The margins of a predicate of which only the least along an axis is asked, and all of them on demand."""
 
-    def __init__(self, exactly: Callable[[], Any], alone: Callable[[int], tuple[Any, Any]]) -> None:
-        """`exactly` gives all margins, `alone` the worst and the best ones of a single case."""
-        self._exactly, self._alone = exactly, alone
+    def __init__(
+        self, exactly: Callable[[], Any], alone: Callable[[int], tuple[Any, Any]], few: bool = False
+    ) -> None:
+        """`exactly` gives all margins, `alone` the worst and the best ones of a single case. few: no case is asked by itself."""
+        self._exactly, self._alone, self._few = exactly, alone, few
         self._asked: dict[int, logic.Value] = {}
 
     @cached_property
@@ -90,7 +123,7 @@ class Least:
 
     def about(self, case: int) -> logic.Value:
         """The predicate's value in a case, or everywhere, once some have been asked for: of a long run mostly the worst cycle is."""
-        if case not in self._asked and len(self._asked) >= ASKED:
+        if self._few or (case not in self._asked and len(self._asked) >= ASKED):
             return self.value
         found = self._asked.get(case)
         if found is None:
@@ -109,17 +142,25 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
     """
     shape = np.broadcast(*args).shape
     size = shape[axis] if shape else 1  # what all cases share may be one footprint
-    if size == 1 or math.prod(shape) <= MANY or math.prod(shape[axis:]) > size:
+    if size <= FEW_FOOTPRINTS or math.prod(shape[axis:]) > size:
         return (*swept_inside(batch, area, *args), None)
     owners = _owners(batch, area)
     if len(owners) > 1:
         return (*swept_inside(batch, area, *args), None)
     counted = np.ones(shape, dtype=np.bool_) if mask is None else np.broadcast_to(mask, shape)
-    flat, exact = owners[0].least_inside(args, size, counted.reshape(-1))
+    flat: Any
+    if math.prod(shape) <= MANY:
+        flat, exact = owners[0].nearest_inside(args, size, counted.reshape(-1)), None
+        if flat is None:
+            return (*swept_inside(batch, area, *args), None)
+    else:
+        flat, exact = owners[0].least_inside(args, size, counted.reshape(-1))
     # What is next to zero is the least of its trajectory, or as good as: all that counts is exact there, and none is left out.
     margin = _settled(owners, flat.reshape(shape), args)
 
     def exactly() -> Any:
+        if exact is None:
+            return _settled(owners, owners[0].margin_inside(*args).reshape(shape), args)
         made = margin.copy()
         places = (~exact).nonzero()[0]
         body = (_flat(arg, shape) for arg in args)
@@ -135,7 +176,7 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
         )
         return swept_inside(batch, area, *rows)
 
-    return (*_sides(margin), Least(exactly, alone))
+    return (*_sides(margin), Least(exactly, alone, exact is None))
 
 
 def within(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:

@@ -45,9 +45,9 @@ def _function(name: FunctionName) -> Callable[..., Any]:
         case "round":
             return np.rint
         case "min":
-            return lambda x, y: np.minimum(x, y) + 0.0  # turns -0.0 into 0.0: see `ir.arithmetic`
+            return lambda x, y: np.minimum(x, y) + logic.ZERO  # turns -0.0 into 0.0: see `ir.arithmetic`
         case "max":
-            return lambda x, y: np.maximum(x, y) + 0.0
+            return lambda x, y: np.maximum(x, y) + logic.ZERO
         case "pow":
             return _pow
         case "exp":
@@ -105,17 +105,17 @@ def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a comparison of x and y: undefined where one of them is not finite."""
     # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
     # the squares is cheaper still; for many it would be shared among threads.
-    if math.isfinite(np.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
+    if math.isfinite(logic.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
         return margin, margin
     known = np.isfinite(x) & np.isfinite(y)
-    return (margin, margin) if known.all() else logic.partly(margin, known)
+    return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 
 def flagged(code: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a Boolean, given as 1, 0 and NaN for a missing value."""
-    margin = np.where(code == 1.0, np.inf, -np.inf)
-    known = ~np.isnan(code)
-    return (margin, margin) if known.all() else logic.partly(margin, known)
+    margin = logic.where(code == 1.0, logic.INF, logic.MINUS_INF)
+    known = np.equal(code, code)  # NaN is not
+    return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
 
 def inside(mask: Any, guard: Any, rank: int) -> Any:

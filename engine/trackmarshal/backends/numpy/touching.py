@@ -29,7 +29,7 @@ def settled(
 ) -> Any:
     """Margins [m] with those next to zero replaced: `exactly` gives one, of its place and the arguments there."""
     near = np.abs(margin) <= NEAR
-    if not near.any():
+    if 1 not in near.tobytes():
         return margin
     margin = np.array(margin)
     whole = [np.broadcast_to(arg, margin.shape) for arg in args]

@@ -89,6 +89,9 @@ class CaseView:
     def truth(self, node: ir.Formula, env: dict[int, int]) -> Truth:
         made = self._run.readings.get(node) or self._readings.get(node)
         if made is None:
+            whole = self._run.whole(node, self._index)
+            if whole is not None:
+                return whole.truth(node, env)
             made = Reading(self._of(node), self._run.batch.size)
             least = self._least(node)
             alone = least is not None and least.is_of_one(self._index)
@@ -122,6 +125,9 @@ class CaseView:
         return place
 
     def sides(self, node: ir.Formula, axis: ir.Axis, env: dict[int, int]) -> Sides:
+        whole = self._run.whole(node, self._index)
+        if whole is not None:
+            return whole.sides(node, axis, env)
         value = self._of(node)
         worst = self._rows(value.worst, axis, env)
         found = Sides(*worst, *(worst if value.best is value.worst else self._rows(value.best, axis, env)))

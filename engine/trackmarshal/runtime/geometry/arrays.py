@@ -71,7 +71,11 @@ def points_of(x: Any, y: Any) -> tuple[Floats, Floats, Bools | None]:
     if px.size != py.size:
         px, py = np.broadcast_arrays(px, py)
     fine: Bools = (np.abs(px) <= LIMIT) & (np.abs(py) <= LIMIT)
-    return (px, py, None) if fine.all() else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)
+    return (
+        (px, py, None)
+        if 0 not in fine.tobytes()
+        else (np.where(fine, px, 0.0), np.where(fine, py, 0.0), fine)
+    )
 
 
 def starts_of(rows: Ints) -> Ints:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from trackmarshal.runtime.geometry.arrays import Floats, Ints
+from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Floats, Ints, counts_of, starts_of
 from trackmarshal.runtime.geometry.curve import Curves
 from trackmarshal.runtime.geometry.sweep import Boxes, Sweeps
 
 #: Pairs of bodies that are worked on at once, so that all intermediate arrays stay in the processor's cache.
 AT_ONCE = 512
 _NEXT = np.array([1, 2, 3, 0])
+#: Of pairs whose bounds differ by less than this, and this share of their largest coordinate, either may be the nearer one: far more
+#: than rounding makes of any of them, and than next to zero is decided anew [m].
+UNSURE, SHARE = 1e-5, 1e-13
 
 
 def boxes_clear(
@@ -39,6 +44,76 @@ def boxes_clear(
     body = _table((x0, y0, heading0, x1, y1, heading1, length, width, *bend))
     box = _table((box_x, box_y, box_heading, box_length, box_width))
     return _clearance(body, box)
+
+
+def least_clear(args: Sequence[ArrayLike], asked: Bools | None, least: bool) -> Floats:
+    """What `boxes_clear` gives of its arguments where it is asked for (None: everywhere), and infinity elsewhere.
+
+    asked: of the shape that all arguments broadcast to. least: of each entry along the first axis only the least margin of what is asked
+    for counts, so greater ones may be infinite too; what has no margin is NaN all the same.
+    """
+    body, box = _table((*args[:8], *args[13:])), _table(tuple(args[8:13]))
+    shape = np.broadcast_shapes(body.shape[1:], box.shape[1:])
+    i, j = _numbered(body, box, shape)
+    margin = np.full(i.size, np.inf)
+    pairs = np.arange(i.size) if asked is None else asked.reshape(-1).nonzero()[0]
+    if pairs.size and least:
+        pairs = _maybe_least(body, box, i.take(pairs), j.take(pairs), pairs, pairs // (i.size // shape[0]))
+    if pairs.size:
+        first, i = _used(body.reshape(len(body), -1), i.take(pairs))
+        second, j = _used(box.reshape(len(box), -1), j.take(pairs))
+        margin[pairs] = _margins(first, second, i, j)
+    return margin.reshape(shape)
+
+
+def _maybe_least(body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, groups: Ints) -> Ints:
+    """Those of some pairs that may have the least margin of their group (numbers, ascending), or none at all.
+
+    A vehicle is within a disc around the middle of its way, and beyond that by its `reach`; at the first pose it has a disc inside.
+    """
+    bodies, i = _used(body.reshape(len(body), -1), i)
+    boxes, j = _used(box.reshape(len(box), -1), j)
+    length, width, long, wide = bodies[6], bodies[7], boxes[3], boxes[4]
+    x0, y0, _, x1, y1 = bodies[:5]
+    with np.errstate(all="ignore"):
+        half_x, half_y = 0.5 * (x1 - x0), 0.5 * (y1 - y0)
+        outer = np.sqrt(half_x * half_x + half_y * half_y) + 0.5 * np.sqrt(length * length + width * width)
+        if len(bodies) == 10:
+            outer += Curves(bodies[:6], bodies[8:], length, width).reach
+        inner, box_inner = 0.5 * np.minimum(length, width), 0.5 * np.minimum(long, wide)
+        x, y = boxes[0].take(j) - x0.take(i), boxes[1].take(j) - y0.take(i)
+        at_most = np.sqrt(x * x + y * y) - (inner.take(i) + box_inner.take(j))
+        x -= half_x.take(i)
+        y -= half_y.take(i)
+        at_least = np.sqrt(x * x + y * y) - (
+            outer.take(i) + (0.5 * np.sqrt(long * long + wide * wide)).take(j)
+        )
+        # What is none has no bounds; of what has none, nothing follows for others.
+        none = _none(bodies).take(i) | _none(boxes).take(j)
+        at_most[none], at_least[none] = np.inf, -np.inf
+        starts = starts_of(groups)
+        counts = counts_of(starts, groups.size)
+        most = np.minimum.reduceat(at_most, starts)
+        scale = max(np.abs(table).max(where=np.abs(table) <= LIMIT, initial=0.0) for table in (bodies, boxes))
+        near: Ints = pairs[~(at_least > most.repeat(counts) + (UNSURE + SHARE * scale))]
+    return near
+
+
+def _none(table: Floats) -> Bools:
+    """Which columns have a number that is none, or no size: their margins are NaN."""
+    sizes = slice(6, 8) if len(table) > 5 else slice(3, 5)
+    fine: Bools = np.logical_and.reduce(np.abs(table) <= LIMIT, axis=0)
+    fine &= np.logical_and.reduce(table[sizes] >= SMALLEST, axis=0)
+    return ~fine
+
+
+def _used(table: Floats, rows: Ints) -> tuple[Floats, Ints]:
+    """The columns of a table that are used, and which of those each row is."""
+    used = np.zeros(table.shape[1], dtype=np.bool_)
+    used[rows] = True
+    if used.all():
+        return table, rows
+    return table[:, used], (used.cumsum() - 1).take(rows)
 
 
 def sweeps_clear(
@@ -80,19 +155,29 @@ def _clearance(body: Floats, other: Floats) -> Floats:
     shape = np.broadcast_shapes(body.shape[1:], other.shape[1:])
     if 0 in shape:
         return np.empty(shape)
-    i = np.broadcast_to(np.arange(body[0].size).reshape(body.shape[1:]), shape).ravel()
-    j = np.broadcast_to(np.arange(other[0].size).reshape(other.shape[1:]), shape).ravel()
-    first, second = (table.reshape(len(table), -1) for table in (body, other))
+    i, j = _numbered(body, other, shape)
+    return _margins(body.reshape(len(body), -1), other.reshape(len(other), -1), i, j).reshape(shape)
+
+
+def _numbered(body: Floats, other: Floats, shape: tuple[int, ...]) -> tuple[Ints, Ints]:
+    """Which columns of two tables, flattened, meet where these are broadcast."""
+    i, j = (
+        np.broadcast_to(np.arange(table[0].size).reshape(table.shape[1:]), shape).reshape(-1)
+        for table in (body, other)
+    )
+    return i, j
+
+
+def _margins(first: Floats, second: Floats, i: Ints, j: Ints) -> Floats:
+    """The signed distances of columns i of a table of bodies from columns j of one of others, pair by pair."""
     others = (
         Sweeps(second[:6], second[6], second[7])
         if len(second) == 8
         else Boxes(second[:3], second[3], second[4])
     )
     if len(first) == 10:
-        margin = _of_curves(Curves(first[:6], first[8:], first[6], first[7]), others, i, j)
-        return margin.reshape(shape)
-    margin = _in_chunks(Sweeps(first[:6], first[6], first[7]), others, i, j)
-    return margin.reshape(shape)
+        return _of_curves(Curves(first[:6], first[8:], first[6], first[7]), others, i, j)
+    return _in_chunks(Sweeps(first[:6], first[6], first[7]), others, i, j)
 
 
 def _of_curves(curves: Curves, others: Sweeps | Boxes, i: Ints, j: Ints) -> Floats:

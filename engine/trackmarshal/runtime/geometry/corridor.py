@@ -22,7 +22,7 @@ from trackmarshal.runtime.geometry.arrays import (
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.crossings import meeting_fault, turns
 from trackmarshal.runtime.geometry.curve import Curves
-from trackmarshal.runtime.geometry.least import least_inside
+from trackmarshal.runtime.geometry.least import least_inside, nearest_inside
 from trackmarshal.runtime.geometry.polyline import Polyline, centre_line
 from trackmarshal.runtime.geometry.quads import union_of_quads
 from trackmarshal.runtime.geometry.region import Region
@@ -71,6 +71,14 @@ class Area:
             return np.full(poses.shape[1], np.nan), np.ones(poses.shape[1], dtype=np.bool_)
         return least_inside(self._region, poses, long, wide, bends, size, counted)
 
+    def nearest_inside(self, body: Sequence[ArrayLike], size: int, counted: Bools) -> Floats | None:
+        """The same of few groups: margins, of which the least of each group is exact and the others are no less; None where that takes more
+        than a look at what is nearest."""
+        if self._region is None:
+            return None
+        poses, long, wide, bends = _bodies(body[:6], body[6], body[7], body[8:])
+        return nearest_inside(self._region, poses, long, wide, bends, size, counted)
+
     @property
     def border(self) -> Border | None:
         """The border, the region on its left; None where there is none."""
@@ -81,6 +89,15 @@ class Area:
         if self._region is None:
             return True
         left, right, low, high = self._region.box
+        if x.size and y.size:
+            ends = (
+                (np.minimum.reduce(x, None), np.minimum.reduce(y, None)),
+                (np.maximum.reduce(x, None), np.maximum.reduce(y, None)),
+            )
+            (first_x, first_y), (last_x, last_y) = ends
+            if first_x > right or last_x < left or first_y > high or last_y < low:  # NaN is not
+                if min(first_x, first_y) >= -LIMIT and max(last_x, last_y) <= LIMIT:
+                    return False
         # Points that are none are off no box.
         off: Bools = (x < left) | (x > right) | (y < low) | (y > high)
         return not (off & (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)).all()

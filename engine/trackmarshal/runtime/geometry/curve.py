@@ -147,23 +147,17 @@ class Curves:
         rows = np.arange(count.size).repeat(count)
         place = np.arange(rows.size) - starts.take(rows)
         cuts = count.take(rows)
-        made = np.empty((6, rows.size))
-        directions = np.empty((2, 2, rows.size))
-        inner = (place > 0).nonzero()[0]
-        x, y, ux, uy = self._between(which, rows.take(inner), place.take(inner) / cuts.take(inner))
+        inner = place.nonzero()[0]
+        points, ahead = self._between(which, rows.take(inner), place.take(inner) / cuts.take(inner))
         # Each piece but the first begins where the one before it ends.
-        begins, ends = starts, starts + count - 1
-        for k, (middle, outer, at) in enumerate(((x, poses, 0), (y, poses, 1))):
-            made[k, begins], made[k, inner] = outer[at], middle
-            made[3 + k, ends], made[3 + k, inner - 1] = outer[3 + at], middle
-        made[2::3] = 0.0
-        for k, middle in enumerate((ux, uy)):
-            directions[k, 0, begins], directions[k, 0, inner] = units[k, 0], middle
-            directions[k, 1, ends], directions[k, 1, inner - 1] = units[k, 1], middle
+        made, directions = poses.take(rows, axis=1), units.take(rows, axis=2)
+        made[0:2, inner], directions[:, 0, inner] = points, ahead
+        inner -= 1
+        made[3:5, inner], directions[:, 1, inner] = points, ahead
         length, width = (size if isinstance(size, float) else size.take(rows) for size in (length, width))
         return Pieces(Sweeps(made, length, width, directions), starts)
 
-    def _between(self, which: slice, rows: Ints, t: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def _between(self, which: slice, rows: Ints, t: Floats) -> tuple[Floats, Floats]:
         """Where ways are at some part of them, and which way the vehicle points there."""
         dx, dy, slope0, slope1, lean, sign = self._shape[:, which].take(rows, axis=1)
         x0, y0 = self.poses[0:2, which].take(rows, axis=1)
@@ -172,7 +166,12 @@ class Curves:
         left = bump * (slope0 * rest - slope1 * t)
         ex, ey = dx - slope * dy, dy + slope * dx
         size = np.sqrt(ex * ex + ey * ey) * sign
-        return x0 + (t * dx - left * dy), y0 + (t * dy + left * dx), ex / size, ey / size
+        points, ahead = np.empty((2, t.size)), np.empty((2, t.size))
+        np.add(x0, t * dx - left * dy, out=points[0])
+        np.add(y0, t * dy + left * dx, out=points[1])
+        np.divide(ex, size, out=ahead[0])
+        np.divide(ey, size, out=ahead[1])
+        return points, ahead
 
 
 def least_of(margin: Floats, pieces: Pieces, curves: Curves, which: slice) -> Floats:

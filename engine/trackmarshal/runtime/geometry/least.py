@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+
 import numpy as np
 
+from trackmarshal.runtime.geometry import alone
+from trackmarshal.runtime.geometry.approach import Approach
 from trackmarshal.runtime.geometry.arrays import Bools, Floats, Ints, counts_of, starts_of
 from trackmarshal.runtime.geometry.curve import MOST, Curves
 from trackmarshal.runtime.geometry.region import AT_ONCE, Region
@@ -14,6 +19,8 @@ CLEAR = 1e-3
 #: Ways of so many pieces at most are bounded piece by piece in the first place, the others only where the bound of the whole leaves
 #: them.
 FEW = 2
+#: So many pairs of hull and segment are looked at faster one by one.
+ALONE = 4
 #: Ways of any number of pieces that are bounded at once, piece by piece.
 PIECEWISE = 256
 #: Hulls whose bounds are kept at once.
@@ -48,6 +55,91 @@ def least_inside(
     return margin, exact
 
 
+def nearest_inside(
+    region: Region, poses: Floats, length: float | Floats, width: float | Floats, bends: Floats | None, size: int, counted: Bools
+) -> Floats | None:  # fmt: skip
+    """The same of few groups, without a search: margins, of which the least of each group is exact, and no other is less than that.
+
+    None where it takes more than distances from the nearest segments: where the border may meet a hull, or a group is not inside.
+    """
+    if 0 in _in_one_piece(poses, (length, width), size, counted).tobytes():
+        return None
+    groups, hulls = np.arange(poses.shape[1]) // size, None
+    if bends is None:
+        sweeps = Sweeps(poses, length, width)
+        usable = sweeps.usable
+    else:
+        curves = Curves(poses, bends, length, width)
+        hulls, usable = curves.hulls(MOST), curves.usable
+        sweeps, groups, counted = hulls.sweeps, groups.take(hulls.ways), counted.take(hulls.ways)
+    if usable is not None:
+        return None
+    low, high, _ = boxes = sweeps.boxes()
+    rows, k, nearest = region.candidates(sweeps, boxes, groups, counted, hulls)
+    if not rows.size or not nearest.min() > region.slack:  # NaN is not
+        return None
+    bound = _beside(region, sweeps, low[1:], high[1:], rows, starts_of(rows), k)
+    if not bound.min() > CLEAR:
+        return None
+    if hulls is not None:
+        bound -= hulls.reach.take(rows)
+    of = groups.take(rows)
+    starts = starts_of(of)
+    if starts.size < poses.shape[1] // size:  # of one nothing is asked
+        return None
+    counts = counts_of(starts, of.size)
+    margin, inside = [math.inf] * poses.shape[1], [False] * starts.size
+    least = [math.inf] * starts.size
+    limit = np.minimum.reduceat(bound, starts) + region.rounding
+    looked = np.zeros(of.size, dtype=np.bool_)
+    look = bound <= limit.repeat(counts)
+    while 1 in look.tobytes():
+        looked |= look
+        pairs = look.nonzero()[0]
+        for row, distance, left in _distances(region, sweeps, rows.take(pairs), k.take(pairs)):
+            way, group = row, int(groups[row])
+            if hulls is not None:
+                distance -= float(hulls.reach[row])
+                way = int(hulls.ways[row])
+            margin[way] = min(margin[way], distance)
+            if distance < least[group]:
+                least[group], inside[group] = distance, left
+        look = bound <= np.array(least).repeat(counts)
+        look &= ~looked
+    # The pair that is nearest to the border of all of a group says on which side its hull lies, and so all of the group.
+    return np.array(margin) if all(inside) and min(least) > CLEAR else None
+
+
+def _distances(region: Region, sweeps: Sweeps, rows: Ints, k: Ints) -> Iterator[tuple[int, float, bool]]:
+    """Which hulls are how far from their segments, and whether they lie left of the border, if no other is nearer."""
+    if rows.size <= ALONE:
+        found = [
+            (row, *alone.distance(region.border, sweeps, row, at))
+            for row, at in zip(rows.tolist(), k.tolist())
+        ]
+        if not any(left is None for _, _, left in found):
+            yield from ((row, distance, bool(left)) for row, distance, left in found)
+            return
+    begins = starts_of(rows)
+    which = rows.take(begins)
+    numbers = np.arange(which.size).repeat(counts_of(begins, rows.size))
+    distances, inside = Approach(region.border, sweeps.some(which), numbers, k).nearest()
+    yield from zip(which.tolist(), distances.tolist(), inside.tolist())
+
+
+def _in_one_piece(poses: Floats, sizes: tuple[float | Floats, ...], size: int, counted: Bools) -> Bools:
+    """Which groups sweep from pose to pose, each hull from where the one before ends: if the border meets none of them, they
+    all lie on the same side of it."""
+    on = np.ones(poses.shape[1], dtype=np.bool_)
+    on[1:] = np.logical_and.reduce(poses[:3, 1:] == poses[3:, :-1], axis=0)
+    for side in sizes:
+        if not isinstance(side, float):
+            on[1:] &= side[1:] == side[:-1]
+    on[::size] = True
+    one: Bools = np.logical_and.reduce((on | ~counted).reshape(-1, size), axis=1)
+    return one
+
+
 class _Search:
     """The search in some groups; writes margins, and which are exact."""
 
@@ -59,7 +151,7 @@ class _Search:
         self.margin, self.exact, self.counted = margin, exact, counted
         #: Views of the same, a group a row.
         self.margins, self.exacts = margin.reshape(-1, size), exact.reshape(-1, size)
-        self.one = self._in_one_piece(size)
+        self.one = _in_one_piece(poses, (length, width), size, counted)
         self.groups = np.arange(margin.size) // size
         #: Ways that are bounded as a whole though they are of several pieces.
         self.whole = np.zeros(margin.size, dtype=np.bool_)
@@ -102,18 +194,6 @@ class _Search:
         least = np.fmin.reduce(self.margins, axis=1, where=self.exacts, initial=np.inf)
         # Where the border meets a hull, or is all but there, nothing follows for the hulls before and after it.
         return np.where(self.one & (least > CLEAR), least, np.inf).repeat(self.margins.shape[1])
-
-    def _in_one_piece(self, size: int) -> Bools:
-        """Which groups sweep from pose to pose, each hull from where the one before ends: if the border meets none of them, they
-        all lie on the same side of it."""
-        on = np.ones(self.margin.size, dtype=np.bool_)
-        on[1:] = np.logical_and.reduce(self.poses[:3, 1:] == self.poses[3:, :-1], axis=0)
-        for side in self.sizes:
-            if not isinstance(side, float):
-                on[1:] &= side[1:] == side[:-1]
-        on[::size] = True
-        one: Bools = np.logical_and.reduce((on | ~self.counted).reshape(-1, size), axis=1)
-        return one
 
     def _bound(self, part: slice | Ints, most: int) -> None:
         """Bounds on the distance of hulls from the border; infinite for those that are not the nearest of their group, NaN for those

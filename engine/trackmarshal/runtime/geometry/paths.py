@@ -22,7 +22,9 @@ def distance_to_paths(
     usable: Bools | None = None
     # Mostly all paths are equally long and all points are fine; NaN is not.
     if not (
-        there.all() and np.abs(points).max(initial=0.0) <= LIMIT and np.abs(path).max(initial=0.0) <= LIMIT
+        0 not in there.tobytes()
+        and np.abs(points).max(initial=0.0) <= LIMIT
+        and np.abs(path).max(initial=0.0) <= LIMIT
     ):
         sound: Bools = np.logical_and.reduce(np.abs(path) <= LIMIT, axis=0)
         fine: Bools = np.logical_and.reduce(sound | ~there, axis=1)
@@ -31,7 +33,9 @@ def distance_to_paths(
         path = np.where(there & fine[:, None], path, 0.0)
     points, path = points[..., None], path[:, :, None]
     side = path[..., 1:] - path[..., :-1]
-    if ((np.abs(side) <= SAME).all(axis=0) & (side != 0.0).any(axis=0)).any():
+    small = np.abs(side) <= SAME
+    small = small[0] & small[1]
+    if 1 in small.tobytes() and (small & (side != 0.0).any(axis=0)).any():
         path = _merged(path)
         side = path[..., 1:] - path[..., :-1]
     square = _sum(side * side)
@@ -47,8 +51,8 @@ def distance_to_paths(
     with np.errstate(divide="ignore", invalid="ignore"):
         across = np.abs(side[0] * seen[1] - side[1] * seen[0]) / np.sqrt(square)
     distance = np.where(beside, across, distance)
-    if usable is None and real.size and real.all():
-        nearest: Floats = distance.min(axis=2, initial=np.inf)
+    if usable is None and real.size and 0 not in real.tobytes():
+        nearest: Floats = np.minimum.reduce(distance, axis=2)
         return nearest
     nearest = np.where(real, distance, np.inf).min(axis=2, initial=np.inf)
     begin = ends[..., :1].min(axis=2, initial=np.inf)

@@ -60,7 +60,7 @@ class Polyline:
             before &= k > 0
             after &= k < border.size - 1
         outer = before | after
-        if outer.any():
+        if 1 in outer.tobytes():
             advance = np.where(before, 0.0, np.where(after, length, advance))
             offset = np.where(outer, np.copysign(distance, offset), offset)
         station = self._station[k] + advance

@@ -167,7 +167,7 @@ class Region:
         """
         middle = sweeps.position + sweeps.middle
         rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
-        if counted is not None and not counted.all():
+        if counted is not None and 0 in counted.tobytes():
             there = counted.take(rows).nonzero()[0]
             rows, tiles = rows.take(there), tiles.take(there)
         k, nearest = tiles, np.empty(0, dtype=np.float32)

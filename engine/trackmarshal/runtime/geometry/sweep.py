@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Complexes, Floats
+from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Complexes, Floats, Ints
 
 #: Sides of a hull shorter than this [m] have no direction worth the name and are left out; their ends stay corners.
 SHORTEST = 1e-7
@@ -61,7 +61,7 @@ class Sweeps:
         turn_cos = product[0] + product[1]
         turn_sin = unit[0, 0] * unit[1, 1] - unit[1, 0] * unit[0, 1]
         size = np.abs(turn_sin)
-        if (turn_cos < size).any():
+        if 1 in (turn_cos < size).tobytes():
             turn_cos, turn_sin = _quarter_turns(frame, turn_cos, turn_sin)
             size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
@@ -81,6 +81,21 @@ class Sweeps:
         if self._sides is None:
             self._sides = self._outline()
         return self._sides
+
+    def some(self, rows: Ints) -> Sweeps:
+        """Some of the hulls, by their numbers, for whoever asks for their sides."""
+        made: Sweeps = object.__new__(Sweeps)
+        made.size = rows.size
+        made.position, made.frame = self.position.take(rows, axis=1), self.frame.take(rows, axis=3)
+        turn_cos, turn_sin = self._turn
+        made._turn = turn_cos.take(rows), turn_sin.take(rows)
+        made._sides = None
+        return made
+
+    def turn_of(self, row: int) -> tuple[float, float]:
+        """Cosine and sine of the turn from the first footprint of a hull to the second."""
+        turn_cos, turn_sin = self._turn
+        return float(turn_cos[row]), float(turn_sin[row])
 
     def _outline(self) -> Floats:
         """Corners, and the sides of the hull: going round once, which footprint reaches further out in the direction of
