@@ -26,6 +26,8 @@ Entry: TypeAlias = dict[str, Value]
 UNREVIEWED = "unreviewed"
 #: By kind and name (`requirement RR-1`), what it is.
 Content: TypeAlias = dict[str, Entry]
+#: Stands for what a scenario is replayed with where nobody knows it: its specs have errors, or the recording is not there.
+UNKNOWN = ["?"]
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
@@ -51,7 +53,11 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph, outside:
 
 
 def carried(before: Content, now: Content) -> Content:
-    """What there is now, with what was accepted of reports of other runners that were not read, such as in a fresh checkout: nobody knows what is in them."""
+    """What there is now, with what was accepted where nobody knows what there is: of reports of other runners that were not read, such as in a fresh checkout, and of what scenarios are replayed with where they are not."""
+    now = {
+        key: _known(entry, before.get(key, {})) if UNKNOWN in entry.values() else entry
+        for key, entry in now.items()
+    }
     read = {_report(key) for key in now if key.startswith(_EXTERNAL)}
     kept = {
         key: entry
@@ -59,6 +65,12 @@ def carried(before: Content, now: Content) -> Content:
         if key.startswith(_EXTERNAL) and _report(key) not in read and _report(key) in now
     }
     return dict(sorted({**now, **kept}.items())) if kept else now
+
+
+def _known(entry: Entry, before: Entry) -> Entry:
+    """An entry with what was accepted in place of what nobody knows; nothing where nothing was."""
+    said = {name: before.get(name, "") if value == UNKNOWN else value for name, value in entry.items()}
+    return {name: value for name, value in said.items() if value}
 
 
 def _report(key: str) -> str:
@@ -175,7 +187,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())), "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (
