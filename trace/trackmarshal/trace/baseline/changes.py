@@ -47,7 +47,7 @@ _FIELDS = {
 #: Hashes of files. What is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in", "named", "closed loop")
+_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop")
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,8 @@ UNREVIEWED = "unreviewed"
 Content: TypeAlias = dict[str, Entry]
 #: Stands for what a scenario is replayed with where nobody knows it: its specs have errors, or the recording is not there.
 UNKNOWN = ["?"]
+#: And where no configuration gives it any: earlier baselines say nothing then.
+_OWN_VALUES = ["the values of its specs"]
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
@@ -187,7 +189,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), _OWN_VALUES)) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (
