@@ -134,6 +134,18 @@ def _as_a_link(root: Path) -> None:
 
 
 _STRUCK = cut(R, "  - id: S-9\n", "")
+_STRUCK_BY_HAND = all_of(
+    _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True), committed("tidy")
+)
+_ONE_MORE = all_of(
+    agreed(
+        add(
+            "specs/rules.spec",
+            '\ntest braking "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect satisfied\n',
+        )
+    ),
+    committed("one more test"),
+)
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
 _REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
@@ -164,6 +176,8 @@ FAULTS = [
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
+    Fault("a requirement struck with its entry, and something else accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE), "T380", rerun=True),
+    Fault("a requirement struck with its entry, and two things accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE, agreed(add("docs/planner.md", "\nmore\n")), committed("more")), "T380", rerun=True),
     Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
