@@ -146,6 +146,14 @@ _ONE_MORE = all_of(
     ),
     committed("one more test"),
 )
+_ANOTHER_REASON = swap(
+    R,
+    "not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [test, scenario]",
+    "not_verified_by: {M-2: It takes long.}\n    verification: [test, scenario]",
+)
+_ADOPTED = swap(
+    R, "    derived_from: [SH-RO]\n", "    derived_from: [SH-RO]\n    adopted: The campus asks for it.\n"
+)
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
 _REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
@@ -207,6 +215,10 @@ FAULTS = [
     Fault("the text of what was reviewed, accepted before it was on the list", all_of(agreed(swap(R, "keep enough room to stop behind", "keep ten metres behind")), accepted(_off("requirement S-3"), rehash=True)), "T382", "S-3"),
     Fault("the document of an analysis that was reviewed", all_of(agreed(_ANALYSED), _SHARED), "T373", "AN-1"),
     Fault("the document of an analysis that was reviewed, accepted before it was on the list", all_of(agreed(all_of(_ANALYSED, _SHARED)), accepted(_off("analysis AN-1"), rehash=True)), "T382", "AN-1"),
+    Fault("a reviewer of another name", swap(A, "title: Vera Verifier", "title: Prof. Important"), "T376", "P-4"),
+    Fault("another thing that an indicator counts", swap(A, "title: refused plans", "title: sunny days"), "T376", "SPI-1"),
+    Fault("another reason for which a method is not used", _ANOTHER_REASON, "T376", "S-1"),
+    Fault("another reason for which a requirement is adopted", all_of(agreed(_ADOPTED), swap(R, "The campus asks for it.", "x")), "T376", "S-1"),
     Fault("a review with another hash", swap(A, "18334bd78200d831", "18334bd78200d832"), "T376", "RV-1"),
     Fault("reviewed, accepted, and the review struck", all_of(agreed(_REVIEWED), cut(A, "  - id: RV-2\n", "works:\n")), "T376", "RV-2"),
     Fault("an entry struck from the list", accepted(_off("requirement S-1"), rehash=False), "T379"),

@@ -33,6 +33,8 @@ _OWN_VALUES = ["the values of its specs"]
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
+#: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong.
+_NAMED = ("person", "indicator", "malfunction")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
 
@@ -117,9 +119,12 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
             "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
             "assumptions": _list(r.assumptions), **_linked(r.links), "not_verified_by": _list(name for name, _ in r.not_verified_by),
+            "adopted": _hash(r.adopted) if r.adopted else "", **{f"reason against {name}": _hash(why) for name, why in r.not_verified_by},
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
+        if entry.kind in _NAMED:
+            said["title"] = entry.title
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
         yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
             **said, **_linked(entry.links), "of versions": _list(versions),
