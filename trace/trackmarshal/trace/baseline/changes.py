@@ -44,19 +44,14 @@ _FIELDS = {
     "named": "files that it names",
 }
 
-#: Hashes of files, and reasons. What is not there is told where it is missed.
-_FILES = ("recording", "kept run", "sha256", "evidence sha256", "adopted")
+#: Hashes of files. What is not there is told where it is missed.
+_FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "adopted", "title")
+_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title")
 
 
-#: How fields begin that say why a method is not used; that one is not used, another field says.
-_AGAINST = "reason against "
-
-
-def _by_itself(field: str) -> bool:
-    """Whether what is not there of it is told where it is missed."""
-    return field in _FILES or field.startswith(_AGAINST)
+#: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
+_REASONS = ("adopted", "reason against ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +162,9 @@ def _renamed(before: Content, now: Content) -> set[str]:
 def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
     for field in sorted(before.keys() | now.keys()):
         old, new = before.get(field, ""), now.get(field, "")
-        if old == new or (kind, field) in _SILENT or (_by_itself(field) and not new):
+        if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
+            continue
+        if field.startswith(_REASONS) and not (old and new):
             continue
         if UNKNOWN in (old, new):  # of a revision, whose recordings are not read
             continue
@@ -194,7 +191,7 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return ASILS.index(new) < ASILS.index(old)
     if field.endswith(" tests a rule") or kind == "external-tests":
         return int(_text(new) or 0) < int(_text(old) or 0)
-    if (field in _LATER or field.startswith(_AGAINST)) and not old:
+    if field in _LATER and not old:
         return False
     if field == "boundary":
         return not new
