@@ -34,6 +34,9 @@ def pytest_configure(config: pytest.Config) -> None:
     if path and not hasattr(
         config, "workerinput"
     ):  # workers of pytest-xdist report to the one that started them
+        if not __debug__:
+            said = "--trackmarshal-results: Python runs with -O, so that asserts do nothing, and what passes shows nothing"
+            raise pytest.UsageError(said)
         config.pluginmanager.register(_Results(config, Path(path).absolute()), "trackmarshal-results")
 
 

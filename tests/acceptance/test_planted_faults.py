@@ -20,6 +20,8 @@ from support.planted.edits import (
     Fault,
     Harmless,
     accepted,
+    add,
+    agreed,
     all_of,
     committed,
     put,
@@ -155,6 +157,20 @@ def test_a_baseline_restored_is_as_it_was(project: Path) -> None:
     fault.edit(project)
     assert ("T380", "") in causes(judged(project, rerun=True)[1])
     all_of(put(BASELINE, before), committed("restored"))(project)
+    assert judged(project, rerun=True) == (0, [])
+
+
+def test_a_baseline_restored_and_accepted_at_once_is_as_it_was(project: Path) -> None:
+    """As the message says; and so it stays when something else is accepted later."""
+    before = (project / BASELINE).read_bytes()
+    fault = next(
+        f for f in evidence.FAULTS if f.name == "an entry of the baseline removed, its hash made again"
+    )
+    fault.edit(project)
+    more = add("docs/planner.md", "\nmore\n")
+    all_of(put(BASELINE, before), agreed(more), committed("restored"))(project)
+    assert judged(project, rerun=True) == (0, [])
+    all_of(agreed(more), committed("more"))(project)
     assert judged(project, rerun=True) == (0, [])
 
 

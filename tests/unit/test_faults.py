@@ -177,6 +177,8 @@ def test_changes_of_time_and_judge() -> None:
         ("{column: driving.v, set: 85}", "{column: driving.v, set: 85, add: 1}", "one operation"),
         ("{column: driving.v, set: 85}", "{column: driving.v}", "one operation"),
         ("{column: driving.v, set: 85}", "{column: driving.v, set: fast}", "number"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, set: [85]}", "a list stands where a number"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, set: {to: 85}}", "stands where a number"),
         ("{column: driving.v, set: 85}", "{column: driving.v, samples: [3, 1], set: 85}", "no range"),
         ("{column: driving.v, set: 85}", "{trajectory: driving}", "one operation"),
         ("{column: driving.v, set: 85}", "{trajectory: sideways, left: 1}", "not known"),

@@ -166,3 +166,13 @@ def test_without_a_project_nothing_is_verified(project: Path) -> None:
     assert run(elsewhere, tests, f"--trackmarshal-project={project}").returncode == 0
     assert run(elsewhere, tests, "--trackmarshal-project=.").returncode != 0
     assert run(elsewhere, "def test_it(): pass\n").returncode == 0
+
+
+def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With -O and `--assert=plain`, what fails would pass."""
+    monkeypatch.setenv("PYTHONOPTIMIZE", "1")
+    tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\n'
+    done = run(project, tests, "--assert=plain", "--trackmarshal-results=out/a.json")
+    assert done.returncode == 4
+    assert "Python runs with -O" in done.stdout + done.stderr
+    assert not (project / "out" / "a.json").exists()

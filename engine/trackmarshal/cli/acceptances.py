@@ -23,12 +23,13 @@ CODES = {
         "acceptances were rewritten",
         "Acceptances of the baseline are only ever added to, by `--accept-baseline`, with who accepted what. Between two versions that git has of the file, or "
         "between the last one and that in the folder, something else was changed: what is held became another thing without an acceptance, or an earlier "
-        "acceptance reads differently, or is gone; or a merge dropped what was accepted on a branch. `--rerun` looks for that, back to the last version with a proper acceptance.",
+        "acceptance reads differently, or is gone; or a merge dropped what was accepted on a branch. `--rerun` looks for that in all versions that there are. "
+        "Acceptances on top of such a change do not heal it; to restore the file does, and so does an acceptance by name of whatever is less since.",
     ),
     "T381": (
         "nobody knows who accepted the baseline",
-        "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or its history is cut before the last "
-        "acceptance (a shallow clone, as continuous integration often makes one).",
+        "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or its history is cut "
+        "(a shallow clone, as continuous integration often makes one).",
     ),
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
@@ -116,7 +117,8 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
         )
         return
-    number = 0
+    now = _held(versions[0][1])
+    number, accepted = 0, False
     while number + 1 < len(versions):
         commit, newer = versions[number]
         if versions[number + 1][1] == newer:
@@ -127,10 +129,11 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         if dropped is not None:
             while _came_of(versions, dropped):
                 dropped -= 1
-            message = f"the baseline was taken back{_since(commit)} to what it was before an acceptance that is gone with that"
-            then = versions[dropped][0]
-            yield error("T380", message, place, _restored(then, named[then], baseline))
-            return
+            if not (accepted and _made_good(_held(versions[dropped][1]), now)):
+                message = f"the baseline was taken back{_since(commit)} to what it was before an acceptance that is gone with that"
+                then = versions[dropped][0]
+                yield error("T380", message, place, _restored(then, named[then], baseline))
+                return
         if same:  # restored: what was in between does not count any more
             number = same[-1]
             continue
@@ -141,12 +144,17 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         if older is None or before is None:
             return  # what is here was accepted anew
         why = "it cannot be read" if after is None else _rewritten(before, after)
-        if why is None:
+        restored = None if why is None or after is None else _restored_and_accepted(versions, number, after)
+        if restored is not None:
+            number, accepted = restored, True
+            continue
+        if why is not None and not (accepted and _made_good(before, now)):
+            then = versions[older][0]
+            message = f"the baseline was changed{_since(commit)} without an acceptance: {why}"
+            yield error("T380", message, place, _restored(then, named[then], baseline))
             return
-        then = versions[older][0]
-        message = f"the baseline was changed{_since(commit)} without an acceptance: {why}"
-        yield error("T380", message, place, _restored(then, named[then], baseline))
-        return
+        # An acceptance is on top of what there was: who edited that by hand, and has something else accepted afterwards, is found all the same.
+        number, accepted = older, True
     if cut:
         yield warning(
             "T381",
@@ -154,6 +162,27 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             place,
             "`git fetch --unshallow`",
         )
+
+
+def _restored_and_accepted(versions: list[tuple[str, bytes]], number: int, after: Baseline) -> int | None:
+    """The version from which one comes properly that does not come of the one before it; None where there is none, or an acceptance in between is gone with that."""
+    for older in range(number + 2, len(versions)):
+        if _came_of(versions, older):
+            return None
+        before = _held(versions[older][1])
+        if before is not None and _rewritten(before, after) is None:
+            return older
+    return None
+
+
+def _made_good(before: Baseline | None, now: Baseline | None) -> bool:
+    """Whether whatever is less now than in a version, from which it does not come properly, is in acceptances by name that came after it."""
+    from trackmarshal.trace.baseline import changes
+
+    if before is None or now is None:
+        return False
+    later = now.acceptances[len(before.acceptances) :]
+    return _unnamed(changes(before.content, now.content), later) is None
 
 
 def _came_of(versions: list[tuple[str, bytes]], number: int) -> bool:

@@ -59,14 +59,18 @@ class Small:
         cases = [item for item in held if isinstance(item, FaultCase)]
         parts = [item for item in held if isinstance(item, SpecPart)]
         results = trace.load_results(self.root, "records")
-        inputs = {
-            run.scenario: {f"rule {item.name}": item.fingerprint for item in items} for run in results.runs
-        }
         return trace.build(
             self.root, items, tests, results.test_results, results.runs, self.today,
-            run_inputs=inputs, findings=results.findings,
+            run_inputs=self._inputs(items), findings=results.findings,
             fault_cases=cases, fault_results=results.fault_results, parts=parts,
         )  # fmt: skip
+
+    def _inputs(self, items: list[SpecItem]) -> dict[str, dict[str, str]]:
+        """What each run rests on."""
+        return {
+            run.scenario: {f"rule {item.name}": item.fingerprint for item in items}
+            for run in trace.load_results(self.root, "records").runs
+        }
 
     def _held(self) -> list[records.Record]:
         held: list[records.Record] = []
@@ -78,13 +82,14 @@ class Small:
     def accept(self) -> None:
         """Accept what there is now."""
         held = self._held()
+        items = [item for item in held if isinstance(item, SpecItem)]
         trace.accept_baseline(
             self.root,
-            [item for item in held if isinstance(item, SpecItem)],
+            items,
             [item for item in held if isinstance(item, SpecTest)],
             [item for item in held if isinstance(item, FaultCase)],
             [item for item in held if isinstance(item, SpecPart)],
-            by="Ann Author", reason="a case", today=TODAY,
+            self._inputs(items), by="Ann Author", reason="a case", today=TODAY,
         )  # fmt: skip
 
     def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:

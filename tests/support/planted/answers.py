@@ -35,6 +35,7 @@ R, V, H, D, A = (
 F = "specs/scenarios/faults.yaml"
 CLOSING = "  - {id: HZ-2, title: A door closes, situation: At a stop., severity: S0, exposure: E4, controllability: C1, asil: QM, rationale: It is soft.}\n"
 REVIEW = "  - id: RV-2\n    of: [{id: S-1, fingerprint: '4e0096ae66101b0d371fb177e09d31c319e5dcb87f97a11781de41228a5c11b7'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
+ANALYSED = "  - id: RV-3\n    of: [{id: AN-1, fingerprint: '43c60a51f4b963df81ac53acc556cfdaac03c5034bcbf6bc0f3ca6cc827b302e'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
 DOORS = (
     "document: requirements\ntitle: Doors\nrequirements:\n"
     "  - id: S-5\n    title: Doors\n    statement: The shuttle shall drive with its doors closed.\n    rationale: Nobody falls out.\n"
@@ -133,9 +134,31 @@ def _as_a_link(root: Path) -> None:
 
 
 _STRUCK = cut(R, "  - id: S-9\n", "")
+_STRUCK_BY_HAND = all_of(
+    _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True), committed("tidy")
+)
+_ONE_MORE = all_of(
+    agreed(
+        add(
+            "specs/rules.spec",
+            '\ntest braking "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect satisfied\n',
+        )
+    ),
+    committed("one more test"),
+)
+_ANOTHER_REASON = swap(
+    R,
+    "not_verified_by: {M-2: Tests and scenarios show more than reading does.}\n    verification: [test, scenario]",
+    "not_verified_by: {M-2: It takes long.}\n    verification: [test, scenario]",
+)
+_ADOPTED = swap(
+    R, "    derived_from: [SH-RO]\n", "    derived_from: [SH-RO]\n    adopted: The campus asks for it.\n"
+)
 _OWN_WORDS = "  denials: [steht|stehen noch aus]\n"
 _OWN = swap(V, "  campaigns:", f"{_OWN_WORDS}  campaigns:")
 _REVIEWED = swap(A, "works:\n", f"{REVIEW}works:\n")
+_ANALYSED = swap(A, "works:\n", f"{ANALYSED}works:\n")
+_SHARED = put("docs/independence.md", b"# Independence\n\nPlanner and supervisor share one computer.\n")
 
 # fmt: off
 FAULTS = [
@@ -161,6 +184,8 @@ FAULTS = [
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
+    Fault("a requirement struck with its entry, and something else accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE), "T380", rerun=True),
+    Fault("a requirement struck with its entry, and two things accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE, agreed(add("docs/planner.md", "\nmore\n")), committed("more")), "T380", rerun=True),
     Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
@@ -188,6 +213,12 @@ FAULTS = [
     Fault("an analysis that nobody reviewed", swap(A, "reviews:\n", "  - {id: AN-2, title: Braking, method: timing, of: [S-2], by: [P-2], made: 2026-02-11}\nreviews:\n"), "T382", "AN-2"),
     Fault("the text of what was reviewed", swap(R, "keep enough room to stop behind", "keep some metres behind"), "T225", "S-3"),
     Fault("the text of what was reviewed, accepted before it was on the list", all_of(agreed(swap(R, "keep enough room to stop behind", "keep ten metres behind")), accepted(_off("requirement S-3"), rehash=True)), "T382", "S-3"),
+    Fault("the document of an analysis that was reviewed", all_of(agreed(_ANALYSED), _SHARED), "T373", "AN-1"),
+    Fault("the document of an analysis that was reviewed, accepted before it was on the list", all_of(agreed(all_of(_ANALYSED, _SHARED)), accepted(_off("analysis AN-1"), rehash=True)), "T382", "AN-1"),
+    Fault("a reviewer of another name", swap(A, "title: Vera Verifier", "title: Prof. Important"), "T376", "P-4"),
+    Fault("another thing that an indicator counts", swap(A, "title: refused plans", "title: sunny days"), "T376", "SPI-1"),
+    Fault("another reason for which a method is not used", _ANOTHER_REASON, "T376", "S-1"),
+    Fault("another reason for which a requirement is adopted", all_of(agreed(_ADOPTED), swap(R, "The campus asks for it.", "x")), "T376", "S-1"),
     Fault("a review with another hash", swap(A, "18334bd78200d831", "18334bd78200d832"), "T376", "RV-1"),
     Fault("reviewed, accepted, and the review struck", all_of(agreed(_REVIEWED), cut(A, "  - id: RV-2\n", "works:\n")), "T376", "RV-2"),
     Fault("an entry struck from the list", accepted(_off("requirement S-1"), rehash=False), "T379"),
@@ -201,6 +232,7 @@ EDITS = [
     Harmless("an acceptance merged", _merged("")),
     Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
     Harmless("one more review", _REVIEWED),
+    Harmless("a review of an analysis", _ANALYSED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),
     Harmless("phrases of the project", _OWN),

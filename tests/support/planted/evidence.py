@@ -71,10 +71,9 @@ def ran(*names: str) -> Edit:
 
 
 def _permit(value: str) -> Edit:
-    return put(
-        "conf/permit.spec",
-        f'module permit\n\nparam v_max : m/s = {value} m/s in [1, 20] source "permit, 2"\n'.encode(),
-    )
+    """The configuration with a value, or with none."""
+    said = f'param v_max : m/s = {value} m/s in [1, 20] source "permit, 2"\n' if value else ""
+    return put("conf/permit.spec", f"module permit\n\n{said}".encode())
 
 
 SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
@@ -211,6 +210,8 @@ FAULTS = [
     Fault("no ground truth in a recording", remade(HURRY, lambda data: data.replace(b'"ground_truth"', b'"notes_"')), "D141", status=2),
     Fault("a recording that is none", put(HURRY, b"hello\n"), "D140", status=2),
     Fault("a value of a configuration that a recording uses", all_of(agreed(all_of(USES, _permit("12"))), _permit("12.3")), "T375", HURRY),
+    Fault("a value of a configuration that had none", all_of(agreed(all_of(USES, _permit(""))), _permit("12.3")), "T375", HURRY),
+    Fault("a value of a configuration struck", all_of(agreed(all_of(USES, _permit("11.9"))), _permit("")), "T375", HURRY),
     Fault("an expectation misspelt", swap(V, SCENARIO, SCENARIO.replace("ground_truth", "ground_thruth")), "T123"),
     Fault("no expectation", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth, ", "")), "T120"),
     # faults

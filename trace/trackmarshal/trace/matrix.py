@@ -144,7 +144,7 @@ def assemble(
     asking = schema.Asking(graph, project)
     cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
     content = baselines.content(project, spec, hashes, graph, around)
-    content = content if baseline is None else baselines.carried(baseline.content, content)
+    content = baselines.carried({} if baseline is None else baseline.content, content)
     loose = [
         *consistency.check(project),
         *consistency.recordings(project, hashes),

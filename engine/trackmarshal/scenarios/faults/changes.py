@@ -27,8 +27,9 @@ def change(item: Item) -> Change:
 
 def _number(item: Item) -> float:
     """A number, or one of nan, inf, -inf."""
-    if (word := item.plain()) in _WORDS:
-        return _WORDS[str(word)]
+    word = item.plain()
+    if isinstance(word, str) and word in _WORDS:  # a list or a table is none
+        return _WORDS[word]
     return item.number()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from trackmarshal.trace.baseline.content import UNREVIEWED, Content, Entry, Value
+from trackmarshal.trace.baseline.content import UNKNOWN, UNREVIEWED, Content, Entry, Value
 
 ASILS = ("QM", "A", "B", "C", "D")
 
@@ -44,10 +44,14 @@ _FIELDS = {
     "named": "files that it names",
 }
 
-#: Hashes of files, and what is known only where specs are sound. What is not there is told where it is missed.
-_FILES = ("recording", "kept run", "sha256", "evidence sha256", "replayed with")
+#: Hashes of files. What is not there is told where it is missed.
+_FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop")
+_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title")
+
+
+#: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
+_REASONS = ("adopted", "reason against ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +163,10 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
     for field in sorted(before.keys() | now.keys()):
         old, new = before.get(field, ""), now.get(field, "")
         if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
+            continue
+        if field.startswith(_REASONS) and not (old and new):
+            continue
+        if UNKNOWN in (old, new):  # of a revision, whose recordings are not read
             continue
         shown = ("", "")
         if kind in ("param", "table", "place", "signal", "rulebook", "limit") and field == "says":

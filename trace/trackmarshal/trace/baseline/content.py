@@ -26,9 +26,15 @@ Entry: TypeAlias = dict[str, Value]
 UNREVIEWED = "unreviewed"
 #: By kind and name (`requirement RR-1`), what it is.
 Content: TypeAlias = dict[str, Entry]
+#: Stands for what a scenario is replayed with where nobody knows it: its specs have errors, or the recording is not there.
+UNKNOWN = ["?"]
+#: And where no configuration gives it any: earlier baselines say nothing then.
+_OWN_VALUES = ["the values of its specs"]
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
+#: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong.
+_NAMED = ("person", "indicator", "malfunction")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
 
@@ -51,7 +57,11 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph, outside:
 
 
 def carried(before: Content, now: Content) -> Content:
-    """What there is now, with what was accepted of reports of other runners that were not read, such as in a fresh checkout: nobody knows what is in them."""
+    """What there is now, with what was accepted where nobody knows what there is: of reports of other runners that were not read, such as in a fresh checkout, and of what scenarios are replayed with where they are not."""
+    now = {
+        key: _known(entry, before.get(key, {})) if UNKNOWN in entry.values() else entry
+        for key, entry in now.items()
+    }
     read = {_report(key) for key in now if key.startswith(_EXTERNAL)}
     kept = {
         key: entry
@@ -59,6 +69,12 @@ def carried(before: Content, now: Content) -> Content:
         if key.startswith(_EXTERNAL) and _report(key) not in read and _report(key) in now
     }
     return dict(sorted({**now, **kept}.items())) if kept else now
+
+
+def _known(entry: Entry, before: Entry) -> Entry:
+    """An entry with what was accepted in place of what nobody knows; nothing where nothing was."""
+    said = {name: before.get(name, "") if value == UNKNOWN else value for name, value in entry.items()}
+    return {name: value for name, value in said.items() if value}
 
 
 def _report(key: str) -> str:
@@ -103,9 +119,12 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
             "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
             "assumptions": _list(r.assumptions), **_linked(r.links), "not_verified_by": _list(name for name, _ in r.not_verified_by),
+            "adopted": _hash(r.adopted) if r.adopted else "", **{f"reason against {name}": _hash(why) for name, why in r.not_verified_by},
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
+        if entry.kind in _NAMED:
+            said["title"] = entry.title
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
         yield f"{entry.kind.replace(' ', '-')} {entry.id}", {
             **said, **_linked(entry.links), "of versions": _list(versions),
@@ -175,7 +194,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), ())), "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), _OWN_VALUES)) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
         }  # fmt: skip
     for e in project.evidence:
         yield (

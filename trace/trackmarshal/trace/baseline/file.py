@@ -64,7 +64,7 @@ def accept(
         raise TrackmarshalError(
             finding.code, finding.message, file=finding.place and finding.place.file, help=finding.help
         )
-    now = now if before is None else carried(before.content, now)
+    now = carried({} if before is None else before.content, now)
     weaker = (
         []
         if before is None

@@ -23,7 +23,7 @@ from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import works
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph.kinds import LINKS, NODES
-from trackmarshal.trace.model import Project, Requirement, matches
+from trackmarshal.trace.model import Entry, Project, Requirement, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
@@ -87,6 +87,7 @@ class _Building:
             attributes = dict(entry.attributes)
             if entry.kind == "analysis":
                 attributes["outcome"] = "open" if "open" in attributes else "complete"
+                attributes["fingerprint"] = self._of_analysis(entry)
             if entry.made is not None:
                 attributes["made"] = entry.made.isoformat()
             self._node(entry.kind, entry.id, entry.title, entry.id.place, attributes)
@@ -186,6 +187,12 @@ class _Building:
                 "result", f"{result.rule}: {result.title}", result.message, place,
                 {"outcome": result.outcome, "sha256": _record(result, "file", "line")},
             )  # fmt: skip
+
+    def _of_analysis(self, entry: Entry) -> str:
+        """The fingerprint of an analysis: its title, and what stands in its document, which is what a review of it reads; "" without one."""
+        held = [self.hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"]
+        said = " ".join(entry.title.split())
+        return hashlib.sha256("\n".join([said, *held]).encode()).hexdigest() if held else ""
 
     def _runs(self) -> None:
         for scenario in self.project.scenarios:
