@@ -87,7 +87,8 @@ class Batch:
             ) from None  # fmt: skip
         rows: list[Floats] = []
         for _, frames in self._frames():
-            rows += samples(self._evaluator.program, info, frames)
+            with self._evaluator.alone:
+                rows += samples(self._evaluator.program, info, frames)
         return np.array(rows)
 
     def case(self, index: int, series: bool = False) -> CaseResult:

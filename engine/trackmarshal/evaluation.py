@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from itertools import chain
@@ -68,6 +69,22 @@ CODES = {
 }
 
 
+class _OneAtATime:
+    """A lock that one thread may take again; a copy is another one."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+    def __deepcopy__(self, _: object) -> _OneAtATime:
+        return _OneAtATime()
+
+
 class Evaluator:
     """Chosen rules of a spec, ready for data.
 
@@ -114,6 +131,8 @@ class Evaluator:
         self._straight: dict[Fields, Evaluator] = {}
         #: This one, and those of its rules that sweep straight: they evaluate with one backend.
         self._family = [self]
+        #: Held while cases are read or evaluated: reader and program keep what they are at in memory of their own.
+        self.alone = _OneAtATime()
 
     @cached_property
     def reader(self) -> CasesReader:
@@ -130,6 +149,10 @@ class Evaluator:
 
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
+        with self.alone:
+            return self._read_all(raws)
+
+    def _read_all(self, raws: Iterable[object]) -> list[Frame]:
         if not self._curvatures:
             return self.reader.read_all(raws)
         straight: dict[int, Frame] = {}
@@ -168,14 +191,15 @@ class Evaluator:
             made = Evaluator(
                 Spec(**{**parts, "fingerprint": digest}), names, self.backend if known else self.asked, self.declared
             )  # fmt: skip
-            made._family = self._family
+            made._family, made.alone = self._family, self.alone
             self._family.append(made)
             self._straight[absent] = made
         return self._straight[absent]
 
     def case(self, raw: object, series: bool = False) -> CaseResult:
         """One case from plain data, `{"signals": {..}}`, and what the rules say of it, with witnesses; raises TrackmarshalError."""
-        (result,) = self.evaluate([self.read(raw)], series)
+        with self.alone:
+            (result,) = self.evaluate([self.read(raw)], series)
         return result
 
     def batch(
@@ -196,7 +220,8 @@ class Evaluator:
         if absent:
             return self._without(absent).batch(signals, shared, params, tables, places)
         given = {"params": params, "tables": tables, "places": places}
-        return Batch(self, ArraysReader(self.reader).read(signals, shared, given), CHUNK)
+        with self.alone:
+            return Batch(self, ArraysReader(self.reader).read(signals, shared, given), CHUNK)
 
     def evaluate(self, frames: Sequence[Frame], series: bool = False) -> Iterator[CaseResult]:
         """The results of cases, in order, with witnesses."""
@@ -235,6 +260,10 @@ class Evaluator:
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""
+        with self.alone:
+            return self._judge_all(frames)
+
+    def _judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         if not all(frame.straight.isdisjoint(self._curvatures) for frame in frames):
             return self._judge_apart(frames)
         try:
@@ -263,6 +292,10 @@ class Evaluator:
 
         brief: of rules that are not against it the verdict and the margin alone; what decided them is not looked for.
         """
+        with self.alone:
+            return self._result(frame, rated, series, candidate, brief)
+
+    def _result(self, frame: Frame, rated: Rated, series: bool, candidate: str, brief: bool) -> CaseResult:
         faults = [
             str(f)
             for f in frame.faults
@@ -407,11 +440,12 @@ class Run:
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one."""
         program = self._evaluator.program
-        self._last = stamp_after(frame, self._last)
-        judged = program.judge(self._memory, frame)
-        self._memory = program.commit(self._memory, frame, None)
-        ((_, rated),) = judged.rated.items()
-        return self._evaluator.result(frame, rated, series)
+        with self._evaluator.alone:
+            self._last = stamp_after(frame, self._last)
+            judged = program.judge(self._memory, frame)
+            self._memory = program.commit(self._memory, frame, None)
+            ((_, rated),) = judged.rated.items()
+            return self._evaluator.result(frame, rated, series)
 
     def missed(self) -> None:
         """A cycle that could not be read: a gap."""

@@ -9,6 +9,7 @@ run, or that answers for another cycle, is `incomplete`.
 from __future__ import annotations
 
 import math
+import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
@@ -151,6 +152,8 @@ class Supervisor(OfOneRun):
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._clock = clock
+        #: Held while a step is taken.
+        self._taken = threading.Lock()
         self._last = -math.inf
         self._steps = 0
         self._rules = named_rules(program.rules)
@@ -158,7 +161,12 @@ class Supervisor(OfOneRun):
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        return self.go_on(self.open(cycle))
+        if not self._taken.acquire(blocking=False):
+            return overlapping()
+        try:
+            return self.go_on(self.open(cycle))
+        finally:
+            self._taken.release()
 
     def go_on(self, opened: Opened) -> Decision:
         """The rest of a step, after its door. Never raises an Exception."""
@@ -455,6 +463,15 @@ def _plans(admission: Admission) -> tuple[Plan, Plan]:
 def incomplete(part: str, message: str = "it did not run") -> Fault:
     """The fault of a part that gave no answer for this step."""
     return fault("incomplete", "supervisor", part, None, message)
+
+
+def overlapping() -> Decision:
+    """What is decided of a cycle that comes while another step of the same Supervisor is taken, by another thread or by code of what was handed in:
+    nothing. It is no step, and neither counted nor recorded; the other one goes on."""
+    found = (incomplete("step", "another step of this Supervisor is being taken"),)
+    return Decision(
+        None, math.nan, math.nan, math.nan, NO_SAFE_TRAJECTORY, False, None, None, math.nan, "none_stored", found, (), False, None
+    )  # fmt: skip
 
 
 def internal(error: Exception) -> Fault:

@@ -32,7 +32,15 @@ from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Copied, Judged, Rated, advisory
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
-from trackmarshal.runtime.supervisor import OfOneRun, Recorder, advisories, incomplete, internal, named_rules
+from trackmarshal.runtime.supervisor import (
+    OfOneRun,
+    Recorder,
+    advisories,
+    incomplete,
+    internal,
+    named_rules,
+    overlapping,
+)
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
@@ -135,8 +143,16 @@ class CSupervisor(OfOneRun):
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        decision = self._quick.step(cycle)
-        return self._at_length(cycle) if decision is None else decision
+        quick = self._quick
+        try:
+            decision = quick.step(cycle)
+            if decision is None:
+                decision = self._at_length(cycle)
+                quick.release()
+        except BaseException:
+            quick.release()
+            raise
+        return decision or overlapping()
 
     @property
     def recorder(self) -> Recorder | None:

@@ -55,6 +55,7 @@ void PyErr_Clear(void);
 void PyErr_SetString(PyObject *kind, const char *message);
 PyThreadState *PyEval_SaveThread(void);
 void PyEval_RestoreThread(PyThreadState *state);
+unsigned long PyThread_get_thread_ident(void);
 void Py_IncRef(PyObject *object);
 void Py_DecRef(PyObject *object);
 

@@ -87,7 +87,7 @@ enum { KNOWN, REMEMBERED, SHAPE, SETTINGS, LINES, CLOSED, EVENTS };
 /* One Supervisor's. said: with outcome bytes of margins and verdicts behind it. expected: what is said of a cycle like those before, which has
    `armed`; NULL: every cycle is for Python. steps, last: how many were taken, and the clock's last reading. stored: a list of the trajectory
    that may be fallen back to, or None. left: a list of the clock's reading; the frame, or the decision where it is to be recorded; number and
-   stamp: None for what is not left. decides: whether no rule is advisory. */
+   stamp: None for what is not left. decides: whether no rule is advisory. taker: the thread that is taking a step, 0: none. */
 typedef struct {
   const reading *reading;
   calling *calling;
@@ -105,6 +105,7 @@ typedef struct {
   PyObject *left;
   int64_t decides;
   int64_t recorded;
+  uint64_t taker;
 } quick;
 
 static PyObject *member(const void *object, int64_t place) {
@@ -305,7 +306,8 @@ static void leave(const quick *q, PyObject *now, PyObject *made, const held_cycl
   }
 }
 
-/* What is driven, of a cycle; None where Python has to go on, with what is left. */
+/* What is driven, of a cycle; None where Python has to go on, with what is left, and to `release` in the end; False where a step is being taken:
+   Python is let go on while C takes one, and what callers hand in has code of its own. */
 static PyObject *step(PyObject *self, PyObject *const *given, Py_ssize_t count) {
   quick *q = (quick *)PyLong_AsVoidPtr(self);
   PyObject *armed = q->armed;
@@ -316,6 +318,11 @@ static PyObject *step(PyObject *self, PyObject *const *given, Py_ssize_t count) 
     PyErr_SetString(PyExc_ValueError, "a step is of one cycle");
     return NULL;
   }
+  if (q->taker != 0u) {
+    Py_IncRef(&_Py_FalseStruct);
+    return &_Py_FalseStruct;
+  }
+  q->taker = (uint64_t)PyThread_get_thread_ident();
   if (armed != NULL) {
     fetch_ahead(q);
     Py_IncRef(armed);
@@ -335,6 +342,7 @@ static PyObject *step(PyObject *self, PyObject *const *given, Py_ssize_t count) 
       Py_DecRef(now);
     }
     Py_DecRef(armed);
+    if ((made != NULL) || (PyErr_Occurred() != NULL)) { q->taker = 0u; }
     if (PyErr_Occurred() != NULL) { return NULL; }
   }
   if (made == NULL) {

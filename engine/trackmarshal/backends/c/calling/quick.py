@@ -5,9 +5,10 @@ from __future__ import annotations
 import ctypes
 import math
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from trackmarshal.backends.c.calling import shell
 from trackmarshal.backends.c.calling.ahead import libraries, objects
@@ -56,6 +57,7 @@ class _Quick(ctypes.Structure):
         ("left", ctypes.c_void_p),
         ("decides", ctypes.c_int64),
         ("recorded", ctypes.c_int64),
+        ("taker", ctypes.c_uint64),
     ]
 
 
@@ -82,9 +84,22 @@ class Slowly:
     #: Whether decisions are recorded, which is for Python.
     recorded: bool = False
 
-    def step(self, cycle: Cycle | None) -> Decision | None:
-        """The Decision of a cycle; None where Python has to go on, with what is `left`."""
+    def __init__(self) -> None:
+        self._taken, self._taker = threading.Lock(), 0
+
+    def step(self, cycle: Cycle | None) -> Decision | Literal[False] | None:
+        """The Decision of a cycle; None where Python has to go on, with what is `left`, and to `release` in the end; False where a step is being
+        taken."""
+        if not self._taken.acquire(blocking=False):
+            return False
+        self._taker = threading.get_ident()
         return None
+
+    def release(self) -> None:
+        """The step that this thread was taking is over."""
+        if self._taker == threading.get_ident():
+            self._taker = 0
+            self._taken.release()
 
     def left(self) -> Left:
         """What Python goes on with."""
@@ -104,7 +119,7 @@ class Quick(Slowly):
     otherwise here, TrackmarshalError E471 or E472 without a compiler.
     """
 
-    step: Callable[[Cycle | None], Decision | None]  # type: ignore[assignment]  # a built-in function
+    step: Callable[[Cycle | None], Decision | Literal[False] | None]  # type: ignore[assignment]  # a built-in function
 
     def __init__(
         self, reader: Gathered, stepper: Stepper, kind: type, explaining: object, advisory: frozenset[int]
@@ -132,11 +147,15 @@ class Quick(Slowly):
         is_, at, ahead = map(ctypes.addressof, own)
         self._own = _Quick(
             reader.address, stepper.calling.user, is_, at, stepper.answer, stepper.outcome, ahead, len(fetched), None, 0, 0, -math.inf,
-            id(self._stored), id(self._left), not advisory, 0,
+            id(self._stored), id(self._left), not advisory, 0, 0,
         )  # fmt: skip
         #: All that C has the addresses of.
         self._kept = (constants, own)
         self.step = library.made_quick(ctypes.addressof(self._own))
+
+    def release(self) -> None:
+        if self._own.taker == threading.get_ident():
+            self._own.taker = 0
 
     def left(self) -> Left:
         if self._left[0] is None:

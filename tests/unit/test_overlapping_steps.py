@@ -1,0 +1,142 @@
+"""A step that begins while another one is taken decides nothing, and changes nothing."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from support.cycles import PERIOD, cycle
+from support.supervised import shipped
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.calling.quick import Slowly
+from trackmarshal.backends.c.supervisor import CSupervisor
+from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.faults import FAULTS
+from trackmarshal.runtime.record import read
+from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.supervision import supervisor
+
+IN_C = pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
+AT_LENGTH = pytest.param("slowly", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
+pytestmark = pytest.mark.parametrize("backend", ["reference", IN_C, AT_LENGTH])
+
+
+class Clock:
+    """Stands at a time; `asks` runs when it is read for the second time in a step, once."""
+
+    def __init__(self) -> None:
+        self.now, self.reads = 0.0, 0
+        self.asks: Callable[[], None] | None = None
+
+    def __call__(self) -> float:
+        self.reads += 1
+        if self.asks is not None and self.reads == 2:
+            asks, self.asks = self.asks, None
+            asks()
+        return self.now
+
+
+def made(backend: str, clock: Clock, record: Path | None = None) -> Supervisor | CSupervisor:
+    own = "c" if backend == "slowly" else backend
+    one = supervisor(shipped(), backend=own, clock=clock, limits={"budget": 1e3}, record=record, snapshots=0)
+    if backend == "slowly":
+        assert isinstance(one, CSupervisor)
+        one._quick = Slowly()
+        one.recorder = one.recorder
+    return one
+
+
+def stepped(one: Supervisor | CSupervisor, clock: Clock, number: int) -> Decision:
+    clock.now, clock.reads = PERIOD * number, 0
+    return one.step(cycle(number))
+
+
+def refused(decision: Decision) -> None:
+    assert (decision.action, decision.safe, decision.driven, decision.fallback) == (
+        "no_safe_trajectory",
+        False,
+        None,
+        None,
+    )
+    assert [(fault.code, fault.field) for fault in decision.faults] == [(FAULTS["incomplete"], "step")]
+
+
+def test_from_another_thread(backend: str) -> None:
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):  # C knows the cycles by then
+        assert stepped(one, clock, number).safe
+    inside, over = threading.Event(), threading.Event()
+    decisions: list[Decision] = []
+
+    def wait() -> None:
+        inside.set()
+        assert over.wait(30)
+
+    clock.asks = wait
+    other = threading.Thread(target=lambda: decisions.append(stepped(one, clock, 3)))
+    other.start()
+    assert inside.wait(30)
+    try:
+        refused(one.step(None))
+        refused(one.step(replace(cycle(4), t=99.0)))
+    finally:
+        over.set()
+        other.join()
+    assert [(decision.state, decision.number) for decision in decisions] == [("drive", 3)]
+    assert stepped(one, clock, 4).safe
+
+
+def test_from_what_is_handed_in(backend: str, tmp_path: Path) -> None:
+    clock = Clock()
+    one = made(backend, clock, tmp_path / "run.arrows")
+    within: list[Decision] = []
+
+    class Asking(Mapping[str, Any]):
+        def __init__(self, given: Mapping[str, Any]) -> None:
+            self.given = given
+
+        def __getitem__(self, name: str) -> Any:
+            within.append(one.step(cycle(7)))
+            return self.given[name]
+
+        def __iter__(self) -> Iterator[str]:
+            return iter(self.given)
+
+        def __len__(self) -> int:
+            return len(self.given)
+
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+    clock.asks = lambda: within.append(one.step(cycle(8)))
+    assert stepped(one, clock, 3).safe
+    clock.now, clock.reads = PERIOD * 4, 0
+    asking = cycle(4)
+    assert one.step(replace(asking, signals=Asking(asking.signals))).safe
+    assert stepped(one, clock, 5).safe
+    assert len(within) > 1
+    for decision in within:
+        refused(decision)
+    one.close()
+    run = read((tmp_path / "run.arrows").read_bytes(), "run.arrows")
+    assert [kept.cycle.number for kept in run.cycles] == list(range(6))
+
+
+def test_who_was_stopped_in_a_step_takes_the_next_one(backend: str) -> None:
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    clock.asks = stop
+    with pytest.raises(KeyboardInterrupt):
+        stepped(one, clock, 3)
+    assert [fault.code for fault in one.step(None).faults] == [FAULTS["missing_cycle"]]
