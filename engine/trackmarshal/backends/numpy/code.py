@@ -26,7 +26,7 @@ _CALLED: dict[str, Any] = {
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear,
-    "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator, "tally": tallies.tally,
+    "clear_in_range": places.clear_in_range, "least": places.least, "in_area": places.in_area, "within": places.within, "temporal": time.operator, "tally": tallies.tally,
     "ordinal": folds.ordinal, "fold": folds.fold,
 }  # fmt: skip
 
@@ -82,6 +82,8 @@ class Code:
         self.rank = max([1, *(axis.level + 2 for axis in axes)])
         #: Predicates of which only the least margin is asked, by a `for all`, with its axis; and variables that hold the rest.
         self._asked = self._asked_for_least(nodes, [*formulas, *ranges])
+        #: Of formulas of which nothing is asked but where guards above them may hold, those guards and the axes along which they are asked.
+        self._above = self._asked_in_ranges(nodes, [*formulas, *ranges])
         self._least: dict[ir.IR, str] = {}
         #: Where each formula's variables are.
         self.formulas: dict[ir.IR, Variables] = {}
@@ -331,7 +333,15 @@ class Code:
                 self._line(node, f"{both}, g{number} = least({asked}, {axis})")
                 return own
             case ir.SweptClear():
-                self._line(node, f"{both} = clear({', '.join(at)})")
+                conditions = self._conditions(node)
+                if not conditions:
+                    self._line(node, f"{both} = clear({', '.join(at)})")
+                    return own
+                self._least[node] = f"g{number}"
+                self._line(
+                    node,
+                    f"{both}, g{number} = clear_in_range({_tuple(at)}, {_tuple(conditions)})",
+                )
                 return own
             case ir.Scaled():
                 (part,) = parts
@@ -453,6 +463,33 @@ class Code:
             if isinstance(node.body, ir.SweptInside)
             if uses[self._same[node.body]] == 1
         }
+
+    def _asked_in_ranges(
+        self, nodes: Sequence[ir.Num | ir.Formula], roots: Sequence[ir.Formula]
+    ) -> dict[ir.IR, list[ir.Quantify | ir.Guarded]]:
+        """What is swept clear of others, with the quantifiers and guards above it, one below the other, of which each is asked by the next alone."""
+        uses: Counter[ir.IR] = Counter(child for node in nodes for child in self._inputs(node))
+        uses.update(self._same[root] for root in roots)
+        above: dict[ir.IR, ir.Quantify | ir.Guarded] = {
+            self._same[node.body]: node for node in nodes if isinstance(node, (ir.Quantify, ir.Guarded))
+        }
+        found: dict[ir.IR, list[ir.Quantify | ir.Guarded]] = {}
+        for node in nodes:
+            if isinstance(node, ir.SweptClear):
+                chain: list[ir.Quantify | ir.Guarded] = []
+                one: ir.IR = node
+                while uses[one] == 1 and one in above:
+                    chain.append(above[one])
+                    one = chain[-1]
+                found[node] = chain
+        return found
+
+    def _conditions(self, node: ir.SweptClear) -> list[str]:
+        """Where a formula is asked: nowhere but where all of these hold in the best case. None: by no guard at all."""
+        guards = [self._same[one.guard] for one in self._above[node] if one.guard is not None]
+        known = [self.formulas[guard].sat(True) for guard in guards if guard in self.formulas]
+        axes = [one.axis for one in self._above[node] if isinstance(one, ir.Quantify)]
+        return [*known, *map(self._mask, axes)] if known else []
 
     def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
         return self._sides(

@@ -54,11 +54,67 @@ def _settled(owners: Sequence[Any], margin: Any, args: Sequence[Any]) -> Any:
 
 def swept_clear(*args: Any) -> tuple[Any, Any]:
     """The same of: what a box (two poses, length, width) sweeps is clear of another (a pose, length, width)."""
+    return _sides(_clear_margin(*args))
+
+
+def _clear_margin(*args: Any) -> Any:
+    """Its margin; NaN is none."""
     shape = np.broadcast(*args).shape
     if 0 in shape:
-        return _sides(np.empty(shape))
+        return np.empty(shape)
     margin = np.asarray(geometry.boxes_clear(*args))
-    return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
+    return touching.settled(margin, args, lambda at, row: touching.clear(row))
+
+
+def clear_in_range(args: Sequence[Any], conditions: Sequence[Any]) -> tuple[Any, Any, Least | None]:
+    """The same where all conditions hold, each an array or None; elsewhere it may differ from the truth, which the third value knows; None: the
+    first two do. Of most cycles, or of most vehicles, nothing is asked: those that drive need not be looked at where it is about those that stand."""
+    shape = np.broadcast(*args).shape
+    counted: Any = True
+    for condition in conditions:
+        counted = counted if condition is None else counted & condition
+    if 0 in shape or len(shape) < 2 or np.ndim(counted) not in (0, len(shape)) or np.all(counted):
+        return (*swept_clear(*args), None)
+    margin = np.full(shape, np.inf)
+    if np.any(counted):
+        # Whole rows along each axis are left out, so that what is swept is still made once for all that it is held against.
+        kept = [_asked_along(counted, axis, n) for axis, n in enumerate(shape)]
+        margin[np.ix_(*kept)] = _clear_margin(*(_taken(arg, shape, kept) for arg in args))
+
+    def alone(case: int) -> tuple[Any, Any]:
+        return swept_clear(*_of_case(args, shape, case))
+
+    return (*_sides(margin), Least(lambda: _clear_margin(*args), alone))
+
+
+def _asked_along(counted: Any, axis: int, n: int) -> Any:
+    """The places along an axis of so many at any of which something counts: some do."""
+    if n == 1 or np.shape(counted)[axis : axis + 1] in (
+        (),
+        (1,),
+    ):  # of what does not vary there, or is asked alike
+        return np.arange(n)
+    return np.logical_or.reduce(
+        counted, axis=tuple(other for other in range(counted.ndim) if other != axis)
+    ).nonzero()[0]
+
+
+def _taken(arg: Any, shape: Sequence[int], kept: Sequence[Any]) -> Any:
+    """Of an array, or of one number, what some places along each axis of a shape are."""
+    arg = np.asarray(arg)
+    if arg.ndim == len(shape):
+        for axis, places in enumerate(kept):
+            if arg.shape[axis] != 1 and places.size != arg.shape[axis]:
+                arg = arg.take(places, axis=axis)
+    return arg
+
+
+def _of_case(args: Sequence[Any], shape: Sequence[int], case: int) -> list[Any]:
+    """Arrays of all cases, of one."""
+    return [
+        arg[case : case + 1] if arg.shape[:1] == tuple(shape[:1]) and arg.ndim == len(shape) else arg
+        for arg in args
+    ]
 
 
 def in_area(batch: Batch, area: ir.Area, x: Any, y: Any) -> tuple[Any, Any]:
@@ -129,11 +185,7 @@ def least(batch: Batch, area: ir.Area, *args: Any, axis: int, mask: Any) -> tupl
         return _settled(owners, made, args)
 
     def alone(case: int) -> tuple[Any, Any]:
-        rows = (
-            arg[case : case + 1] if arg.shape[:1] == shape[:1] and arg.ndim == len(shape) else arg
-            for arg in args
-        )
-        return swept_inside(batch, area, *rows)
+        return swept_inside(batch, area, *_of_case(args, shape, case))
 
     return (*_sides(margin), Least(exactly, alone))
 
