@@ -33,8 +33,8 @@ class Firsts:
         return np.minimum(moved, self._n, out=moved)
 
     def _after(self, holds: Bools) -> Indices:
-        """(elements,): which element from each on is the first of which something holds; as many as there are elements: none."""
-        found = np.where(holds, self._numbers, self._n)
+        """(elements,): which element from each on is the first of which something holds; NEVER: none."""
+        found = np.where(holds, self._numbers, NEVER)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found
 
@@ -42,7 +42,7 @@ class Firsts:
         """(cycles,): the first one from the begin of its window on."""
         if self._begin is None:
             return self._elements.of_cycles(after)
-        return np.append(after, self._n).take(self._begin)
+        return np.append(after, NEVER).take(self._begin)
 
     def _places(self, found: Indices) -> Indices:
         """The places of cycles among the elements; of what is behind the last one any."""
@@ -58,6 +58,13 @@ class Firsts:
         if may is holds:
             return place, ~inside
         return place, self._inside(self._after(may)) >= self._end
+
+    def settles(self, held: Bools, goal: Bools) -> tuple[Indices, Bools]:
+        """(cycles,): where `held until goal` is decided of which nothing is undefined, without gaps, before its window is closed, or NEVER or behind that
+        window; and whether it holds. (elements,): whether both formulas hold."""
+        reached, fails = self._inside(self._after(goal)), self._after(~held)
+        holds = (reached < self._end) & (reached <= fails)
+        return np.minimum(reached, fails), holds
 
     def until(self, held: tuple[Bools, Bools], goal: tuple[Bools, Bools]) -> tuple[Indices, Indices]:
         """(cycles,) twice: where `held until goal` is surely true, or NEVER, and where surely false, or STAYS, or NEVER. Of both formulas: where they

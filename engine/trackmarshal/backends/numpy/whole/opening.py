@@ -147,10 +147,10 @@ class Ahead:
     def _looked(self, kept: _Kept, ended: bool) -> _Looked:
         own = elements(kept.stamps, kept.missed, None)
         looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
-        times, final = looking.times(self._formula), looking.final(self._formula)
+        final = looking.final(self._formula)
         if self._active is None:
-            first = np.minimum(np.minimum(times.true, times.false), final)
-            return _Looked(kept, looking, first, final)
+            return _Looked(kept, looking, looking.first(self._formula), final)
+        times = looking.times(self._formula)
         applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
         # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
         first = np.minimum(np.minimum(np.where(applies, times.true, NEVER), times.false), final)
