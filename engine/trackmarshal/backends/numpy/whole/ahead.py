@@ -251,7 +251,10 @@ class Looking:
         open_ = now < _at(self._closed(node), chosen)
         found: Floats
         if broken is reached:
-            found = np.where(open_ > sat, np.maximum(reached, held), reached)
+            # Where the goal is reached no margin is below zero, and where what had to hold does not, its own is not above.
+            found = np.maximum(reached, np.minimum(held, 0.0))
+            shut = np.flatnonzero(~open_)
+            found[shut] = reached.take(shut)
         else:
             found = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
         return found

@@ -10,6 +10,8 @@ from trackmarshal.backends.numpy.whole.values import Bools
 
 #: The place of what never comes.
 NEVER = np.iinfo(np.intp).max
+#: What holds in fewer than three of so many elements, or changes in less than one, is looked up, and not sought element by element.
+FEW = 16
 #: Of a formula that nothing in its window decides before the window is closed.
 STAYS = -1
 
@@ -34,6 +36,11 @@ class Firsts:
 
     def _after(self, holds: Bools) -> Indices:
         """(elements,): which element from each on is the first of which something holds; NEVER: none."""
+        if np.count_nonzero(holds[1:] != holds[:-1]) * FEW < len(holds):
+            # What seldom changes: until it holds again, the place where it does.
+            return np.where(holds, self._numbers, _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n))
+        if np.count_nonzero(holds) * FEW < 3 * len(holds):
+            return _until(holds.nonzero()[0] + 1, self._n, 1)
         found = np.where(holds, self._numbers, NEVER)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found
@@ -81,3 +88,10 @@ class Firsts:
             open_ = (possible < end) & (possible <= broken)
         false = np.where(broken < end, self._places(broken), STAYS)
         return true, np.where(open_, NEVER, false)
+
+
+def _until(ends: Indices, n: int, less: int = 0) -> Indices:
+    """(n,): for all places before each end, and after the one before it, that end less so much; after the last one NEVER."""
+    counts = np.append(ends, n)
+    counts[1:] -= ends
+    return np.append(ends - less if less else ends, NEVER).repeat(counts)
