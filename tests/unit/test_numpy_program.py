@@ -187,6 +187,66 @@ rule inside "on the track"
     assert skipped > 100
 
 
+@pytest.mark.parametrize("guard", ["whenever go", ""])
+@pytest.mark.parametrize("where", ["where abs(o.v) <= 1 m/s", ""])
+def test_what_is_clear_of_others_is_worked_out_where_it_is_asked(guard: str, where: str) -> None:
+    """Where no guard above it holds, vehicles are not held against each other; whoever asks gets the true margins."""
+    spec = compiled(
+        f"""
+module made
+event go
+signal plan : trajectory {{ t: s increasing, x: m, y: m, heading: rad, kappa: 1/m default 0 }}
+signal objects : set of object {{ x: m, y: m, heading: rad, length: m, width: m, v: m/s }}
+rule apart "of those that stand"
+  {guard}
+  for all o in objects {where}
+  for all p in plan
+  require swept_footprint(p, 4 m, 2 m) clear_of footprint(o)
+"""
+    )
+    raw = []
+    for k in range(24):
+        x = [2.0 * j for j in range(3 + k % 3)]
+        plan = {
+            "t": x,
+            "x": x,
+            "y": [0.1 * k] * len(x),
+            "heading": [0.02 * k] * len(x),
+            "kappa": [0.01 * (k % 4)] * len(x),
+        }
+        speeds = [0.0, 5.0, None, math.inf, 1.0] if k % 5 else [5.0, 9.0]
+        boxes = [
+            {
+                "x": 3.0 + 2.0 * j,
+                "y": 2.0 - 0.3 * k,
+                "heading": None if j == k % 7 else 0.1,
+                "length": 4.0,
+                "width": 2.0,
+                "v": v,
+            }
+            for j, v in enumerate(speeds[: k % 6])
+        ]
+        raw.append({"signals": {"plan": plan, "objects": boxes, "go": None if k % 8 == 1 else k % 3 != 0}})
+    verdicts = {verdict for one in agreed(spec, raw) for verdict, _ in one.values()}
+    assert verdicts >= {"satisfied", "violated", "inactive"}
+    cases = read(spec, raw)
+    (rule,) = spec.rules
+    formula = rule.formula
+    while not isinstance(formula, ir.SweptClear):
+        assert isinstance(formula, (ir.Guarded, ir.Quantify))
+        formula, above = formula.body, formula
+    assert isinstance(above, ir.Quantify)
+    run = NumpyProgram(spec, spec.rules).run(cases)
+    left_out = 0
+    for index, one in enumerate(cases):
+        alone = CaseView(NumpyProgram(spec, spec.rules).run([one]), 0)
+        for o in range(one.count("objects")):
+            sides = CaseView(run, index).sides(formula, above.axis, {0: o})
+            assert repr(sides) == repr(alone.sides(formula, above.axis, {0: o}))
+            left_out += run.of(formula).worst.margin[index, o, 0] != sides.worst[0]
+    assert (left_out > 0) == bool(guard or where)
+
+
 @pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-7, 2e-6, 0.5])
 def test_footprints_that_touch_are_settled_where_only_the_least_margin_is_worked_out(apart: float) -> None:
     """Many trajectories at once, some of which touch the border, stand at it, or end at it, as a lattice has it."""

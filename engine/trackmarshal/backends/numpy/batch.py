@@ -56,6 +56,11 @@ class Batch:
         self.overridden = any(one.params for one in settings)
         self._tabled = any(one.tables for one in settings)
 
+    @property
+    def faulty(self) -> list[int]:
+        """The places of cases in which something is wrong."""
+        return [place for place, case in enumerate(self.cases) if case.faults]
+
     # Values of cases ------------------------------------------------------------------------------------------
 
     def per_case(self, values: Sequence[Any], dtype: type = np.float64) -> NDArray[Any]:

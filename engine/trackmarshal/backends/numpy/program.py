@@ -269,8 +269,8 @@ class Run:
         if not logic.full(occupied):
             row, case = (~occupied).nonzero()
             code[program.ranged[row], case], margins[program.ranged[row], case] = _INACTIVE, np.inf
-        for index, frame in enumerate(self.batch.cases):
-            if frame.faults:
-                blocked = [frame.unusable(rule.reads) is not None for rule in self.program.rules]
-                code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
+        for index in self.batch.faulty:
+            frame = self.batch.cases[index]
+            blocked = [frame.unusable(rule.reads) is not None for rule in self.program.rules]
+            code[blocked, index], margins[blocked, index] = _UNDEFINED, np.nan
         return code, margins

@@ -63,6 +63,8 @@ class Looking:
         self._spans: dict[tuple[ir.Formula, int, int], Spans] = {}
         self._spread: dict[ir.Formula, Value] = {}
         self._closings: dict[ir.Formula, Indices] = {}
+        #: Of `until` that is all of a formula: whether it holds, in the cycle in which it is decided.
+        self._holds: dict[ir.Formula, Bools] = {}
 
     # When -----------------------------------------------------------------------------------------------------
 
@@ -77,6 +79,19 @@ class Looking:
         for part in below[1:]:
             found = np.maximum(found, self.final(part))
         return found
+
+    def first(self, node: ir.Formula) -> Indices:
+        """(cycles,): in which cycle a whole formula is decided, or nothing to come can change it any more."""
+        if isinstance(node, ir.OverRun) and node.op == "until" and self._elements.cycles is None:
+            (held, may_hold), (goal, may_be) = map(self._operand, node.operands)
+            if held is may_hold and goal is may_be:
+                # A window is closed behind its last element, at the latest: what comes after that decides nothing.
+                first, self._holds[node] = Firsts(self._windows(node), self._elements).settles(
+                    held[0], goal[0]
+                )
+                return np.minimum(first, self._closed(node), out=first)
+        times = self.times(node)
+        return np.minimum(np.minimum(times.true, times.false), self.final(node))
 
     def times(self, node: ir.Formula) -> Times:
         """(cycles,): when a formula is decided."""
@@ -203,6 +218,10 @@ class Looking:
         about = self.places[chosen]
         if not (isinstance(node, ir.OverRun) and node.op == "until"):
             return self.value(node, about, now)
+        if node in self._holds:
+            sat = self._holds[node][chosen]
+            side = sat, self._decisive(node, chosen, now, sat)
+            return values.of(side, side)
         times = self.times(node)
         sat, fails = _at(times.true, chosen) == now, _at(times.false, chosen) == now
         margin = self._decisive(node, chosen, now, sat)
@@ -230,7 +249,14 @@ class Looking:
             reached[true] = np.minimum(reached.take(true), before)
         held = self._operand(node.operands[0])[1][1].take(last)
         open_ = now < _at(self._closed(node), chosen)
-        found: Floats = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
+        found: Floats
+        if broken is reached:
+            # Where the goal is reached no margin is below zero, and where what had to hold does not, its own is not above.
+            found = np.maximum(reached, np.minimum(held, 0.0))
+            shut = np.flatnonzero(~open_)
+            found[shut] = reached.take(shut)
+        else:
+            found = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
         return found
 
     def _among(self, places: Indices) -> Indices:

@@ -10,6 +10,8 @@ from trackmarshal.backends.numpy.whole.values import Bools
 
 #: The place of what never comes.
 NEVER = np.iinfo(np.intp).max
+#: What holds in fewer than three of so many elements, or changes in less than one, is looked up, and not sought element by element.
+FEW = 16
 #: Of a formula that nothing in its window decides before the window is closed.
 STAYS = -1
 
@@ -33,8 +35,13 @@ class Firsts:
         return np.minimum(moved, self._n, out=moved)
 
     def _after(self, holds: Bools) -> Indices:
-        """(elements,): which element from each on is the first of which something holds; as many as there are elements: none."""
-        found = np.where(holds, self._numbers, self._n)
+        """(elements,): which element from each on is the first of which something holds; NEVER: none."""
+        if np.count_nonzero(holds[1:] != holds[:-1]) * FEW < len(holds):
+            # What seldom changes: until it holds again, the place where it does.
+            return np.where(holds, self._numbers, _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n))
+        if np.count_nonzero(holds) * FEW < 3 * len(holds):
+            return _until(holds.nonzero()[0] + 1, self._n, 1)
+        found = np.where(holds, self._numbers, NEVER)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found
 
@@ -42,7 +49,7 @@ class Firsts:
         """(cycles,): the first one from the begin of its window on."""
         if self._begin is None:
             return self._elements.of_cycles(after)
-        return np.append(after, self._n).take(self._begin)
+        return np.append(after, NEVER).take(self._begin)
 
     def _places(self, found: Indices) -> Indices:
         """The places of cycles among the elements; of what is behind the last one any."""
@@ -59,6 +66,13 @@ class Firsts:
             return place, ~inside
         return place, self._inside(self._after(may)) >= self._end
 
+    def settles(self, held: Bools, goal: Bools) -> tuple[Indices, Bools]:
+        """(cycles,): where `held until goal` is decided of which nothing is undefined, without gaps, before its window is closed, or NEVER or behind that
+        window; and whether it holds. (elements,): whether both formulas hold."""
+        reached, fails = self._inside(self._after(goal)), self._after(~held)
+        holds = (reached < self._end) & (reached <= fails)
+        return np.minimum(reached, fails), holds
+
     def until(self, held: tuple[Bools, Bools], goal: tuple[Bools, Bools]) -> tuple[Indices, Indices]:
         """(cycles,) twice: where `held until goal` is surely true, or NEVER, and where surely false, or STAYS, or NEVER. Of both formulas: where they
         surely hold, where they may."""
@@ -74,3 +88,10 @@ class Firsts:
             open_ = (possible < end) & (possible <= broken)
         false = np.where(broken < end, self._places(broken), STAYS)
         return true, np.where(open_, NEVER, false)
+
+
+def _until(ends: Indices, n: int, less: int = 0) -> Indices:
+    """(n,): for all places before each end, and after the one before it, that end less so much; after the last one NEVER."""
+    counts = np.append(ends, n)
+    counts[1:] -= ends
+    return np.append(ends - less if less else ends, NEVER).repeat(counts)

@@ -102,6 +102,10 @@ class _Arrays(Batch):
         self.size = stacked.size
         self.cases = [stacked.shared] * stacked.size
 
+    @property
+    def faulty(self) -> list[int]:
+        return list(range(self.size)) if self._given.shared.faults else []
+
     def param(self, name: str) -> Any:
         own = self.spec.params[name].value
         return np.float64(self._given.shared.settings.params.get(name, own))

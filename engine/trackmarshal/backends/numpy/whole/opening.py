@@ -147,10 +147,10 @@ class Ahead:
     def _looked(self, kept: _Kept, ended: bool) -> _Looked:
         own = elements(kept.stamps, kept.missed, None)
         looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
-        times, final = looking.times(self._formula), looking.final(self._formula)
+        final = looking.final(self._formula)
         if self._active is None:
-            first = np.minimum(np.minimum(times.true, times.false), final)
-            return _Looked(kept, looking, first, final)
+            return _Looked(kept, looking, looking.first(self._formula), final)
+        times = looking.times(self._formula)
         applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
         # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
         first = np.minimum(np.minimum(np.where(applies, times.true, NEVER), times.false), final)
@@ -170,7 +170,8 @@ class Ahead:
             skipped = max(0, begin - chosen.start)  # those before the piece are decided later than there
             into = slice(chosen.start + skipped - begin, max(0, chosen.stop - begin))
             said = here[skipped:]
-            own[0][into] = np.where(said, codes[skipped:], OPEN)
+            # OPEN but where it is said: in bytes, which numpy does not choose between as fast as it adds them up.
+            own[0][into] += (codes[skipped:] - OPEN) * said
             own[1][into] = np.where(said, margins[skipped:], np.nan)
         else:
             at = np.flatnonzero(here)

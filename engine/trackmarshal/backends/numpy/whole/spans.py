@@ -18,6 +18,7 @@ class Levels:
         self.begin, length = begin, end - begin
         #: Which have an element.
         self.some = length > 0
+        self.all_some = bool(self.some.all())
         longest = int(length.max(initial=0))
         bits = _BITS.take(length) if longest < len(_BITS) else np.frexp(length)[1].astype(np.uint8)
         #: Each level of spans of more than one element, its spans, and where the two begin.
@@ -76,5 +77,7 @@ class Spans:
     def _first(rows: Rows | None, spans: Levels, nothing: float | bool) -> Rows:
         """What stands at the begin of each span: of one element that is all."""
         assert rows is not None
+        if spans.all_some:
+            return rows.take(spans.begin)
         found: Rows = np.where(spans.some, rows.take(spans.begin, mode="clip"), nothing)
         return found
