@@ -895,54 +895,104 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
                           double width) {
   const size_t middle = count / 2u;
   tm_frame *all = &stretch->frame;
-  stretch->ox = x[middle];
-  stretch->oy = y[middle];
-  all->ahead = cos(heading[middle]);
-  all->aside = sin(heading[middle]);
-  all->u0 = TM_INF;
-  all->u1 = -TM_INF;
-  all->v0 = TM_INF;
-  all->v1 = -TM_INF;
-  for (size_t i = 0u; i < count; ++i) {
-    const double dx = x[i] - stretch->ox;
-    const double dy = y[i] - stretch->oy;
-    tm_posed *pose = &stretch->pose[i];
-    pose->u = (all->ahead * dx) + (all->aside * dy);
-    pose->v = (all->ahead * dy) - (all->aside * dx);
-    pose->turn = heading[i] - heading[middle];
-    pose->cosine = tm_about_cosine(pose->turn);
-    pose->sine = tm_about_sine(pose->turn);
-    const double turned = tm_least(fabs(pose->turn), 1.0); /* no less than its sine */
-    const double along = 0.5 * (length + (width * turned));
-    const double across = 0.5 * (width + (length * turned));
-    all->u0 = tm_least(all->u0, pose->u - along);
-    all->u1 = tm_greatest(all->u1, pose->u + along);
-    all->v0 = tm_least(all->v0, pose->v - across);
-    all->v1 = tm_greatest(all->v1, pose->v + across);
-    pose->u0 = (float)(pose->u - along);
-    pose->u1 = (float)(pose->u + along);
-    pose->v0 = (float)(pose->v - across);
-    pose->v1 = (float)(pose->v + across);
+  const double ox = x[middle];
+  const double oy = y[middle];
+  const double ahead = cos(heading[middle]);
+  const double aside = sin(heading[middle]);
+  for (size_t from = 0u; from < count; from += 4u) { /* four at once take no longer */
+    double dx[4];
+    double dy[4];
+    double turned[4];
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t i = ((from + n) < count) ? (from + n) : (count - 1u);
+      dx[n] = x[i] - ox;
+      dy[n] = y[i] - oy;
+      turned[n] = heading[i] - heading[middle];
+    }
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t k = from + n;
+      const double turn = turned[n];
+      const double u = (ahead * dx[n]) + (aside * dy[n]);
+      const double v = (ahead * dy[n]) - (aside * dx[n]);
+      const double sine = tm_least(fabs(turn), 1.0); /* no less than that */
+      const double along = 0.5 * (length + (width * sine));
+      const double across = 0.5 * (width + (length * sine));
+      stretch->turn[k] = turn;
+      stretch->u[k] = u;
+      stretch->v[k] = v;
+      stretch->cosine[k] = (float)tm_about_cosine(turn);
+      stretch->sine[k] = (float)tm_about_sine(turn);
+      stretch->least_u[k] = (float)(u - along);
+      stretch->most_u[k] = (float)(u + along);
+      stretch->least_v[k] = (float)(v - across);
+      stretch->most_v[k] = (float)(v + across);
+    }
   }
+  float u0 = stretch->least_u[0];
+  float u1 = stretch->most_u[0];
+  float v0 = stretch->least_v[0];
+  float v1 = stretch->most_v[0];
+  for (size_t k = 1u; k < count; ++k) {
+    u0 = (stretch->least_u[k] < u0) ? stretch->least_u[k] : u0;
+    u1 = (stretch->most_u[k] > u1) ? stretch->most_u[k] : u1;
+    v0 = (stretch->least_v[k] < v0) ? stretch->least_v[k] : v0;
+    v1 = (stretch->most_v[k] > v1) ? stretch->most_v[k] : v1;
+  }
+  stretch->ox = ox;
+  stretch->oy = oy;
+  all->ahead = ahead;
+  all->aside = aside;
+  all->u0 = (double)u0 - (fabs((double)u0) * 1.2e-7); /* no less than what was made short */
+  all->u1 = (double)u1 + (fabs((double)u1) * 1.2e-7);
+  all->v0 = (double)v0 - (fabs((double)v0) * 1.2e-7);
+  all->v1 = (double)v1 + (fabs((double)v1) * 1.2e-7);
+  const size_t behind = ((count + 3u) / 4u) * 4u; /* who looks at four ways at once reads it */
+  stretch->cosine[behind] = 1.0f;
+  stretch->sine[behind] = 0.0f;
 }
 
 /** How far what is swept along the ways of a stretch may be beyond the straight ones, and the most of these; `kappa`: the curvatures at its
    poses. */
 static void tm_stretch_reaches(tm_stretch *stretch, const double *kappa, size_t count, double length, double width) {
   const double corner = 0.5 * sqrt((length * length) + (width * width));
+  const float most = (float)corner;
   stretch->widest = 0.0;
   stretch->reach[0] = 0.0;
-  for (size_t i = 1u; i < count; ++i) {
-    const tm_posed *p = &stretch->pose[i - 1u];
-    const tm_posed *q = &stretch->pose[i];
-    const double du = q->u - p->u;
-    const double dv = q->v - p->v;
-    double reach = tm_curve_reach(du, dv, p, q, kappa[i - 1u], kappa[i], corner);
-    if (!(reach < TM_INF)) {
-      reach = tm_stand_reach(du, dv, q->turn - p->turn, corner);
+  for (size_t from = 0u; (from + 1u) < count; from += 4u) { /* four at once take no longer */
+    float du[4];
+    float dv[4];
+    float way[4];
+    float b0[4];
+    float b1[4];
+    float reach[4];
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t k = from + n;
+      const size_t i = ((k + 1u) < count) ? (k + 1u) : (count - 1u);
+      const double u = stretch->u[i] - stretch->u[i - 1u];
+      const double v = stretch->v[i] - stretch->v[i - 1u];
+      const double chord = sqrt((u * u) + (v * v));
+      du[n] = (float)u;
+      dv[n] = (float)v;
+      way[n] = (float)chord;
+      b0[n] = (float)(kappa[i - 1u] * chord);
+      b1[n] = (float)(kappa[i] * chord);
     }
-    stretch->reach[i] = ((fabs(p->turn) <= 0.4) && (fabs(q->turn) <= 0.4)) ? reach : TM_INF;
-    stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
+    const float *cosine = &stretch->cosine[from];
+    const float *sine = &stretch->sine[from];
+    for (size_t n = 0u; n < 4u; ++n) {
+      reach[n] = tm_curve_reach(du[n], dv[n], way[n], cosine[n], sine[n], cosine[n + 1u], sine[n + 1u], b0[n], b1[n], most);
+    }
+    for (size_t n = 0u; (n < 4u) && ((from + n + 1u) < count); ++n) {
+      const size_t i = from + n + 1u;
+      const bool little = (fabs(stretch->turn[i - 1u]) <= 0.4) && (fabs(stretch->turn[i]) <= 0.4);
+      double beyond = (double)reach[n];
+      if (!(beyond < TM_INF)) {
+        beyond = tm_stand_reach(stretch->u[i] - stretch->u[i - 1u], stretch->v[i] - stretch->v[i - 1u],
+                                stretch->turn[i] - stretch->turn[i - 1u], corner);
+      }
+      stretch->reach[i] = little ? beyond : TM_INF;
+      stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
+    }
   }
 }
 
@@ -1012,9 +1062,13 @@ static bool tm_box_near(const tm_frame *box, double ua, double va, double ub, do
 }
 
 /** Which of the listed segments may lie within `reach` of what is swept between two poses of a stretch, going by the stretch: a bit each. */
-static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double reach) {
-  const float box[4] = {(q->u0 < p->u0) ? q->u0 : p->u0, (q->u1 > p->u1) ? q->u1 : p->u1,
-                        (q->v0 < p->v0) ? q->v0 : p->v0, (q->v1 > p->v1) ? q->v1 : p->v1};
+static unsigned long tm_stretch_near(const tm_stretch *stretch, size_t p, size_t q, double reach) {
+  const float *u0 = stretch->least_u;
+  const float *u1 = stretch->most_u;
+  const float *v0 = stretch->least_v;
+  const float *v1 = stretch->most_v;
+  const float box[4] = {(u0[q] < u0[p]) ? u0[q] : u0[p], (u1[q] > u1[p]) ? u1[q] : u1[p], (v0[q] < v0[p]) ? v0[q] : v0[p],
+                        (v1[q] > v1[p]) ? v1[q] : v1[p]};
   const float more = (float)(reach + stretch->slack);
   unsigned long bits = 0u;
   for (size_t k = 0u; k < stretch->count; k += 8u) {
@@ -1026,19 +1080,19 @@ static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *
 
 /** Of these segments, those that may still be going by the direction in the middle between both poses, if that is turned by little from
    the stretch. */
-static unsigned long tm_stretch_nearer(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double length, double width,
+static unsigned long tm_stretch_nearer(const tm_stretch *stretch, size_t p, size_t q, double length, double width,
                                        double reach, unsigned long near) {
-  const double turn = 0.5 * (p->turn + q->turn);
+  const double turn = 0.5 * (stretch->turn[p] + stretch->turn[q]);
   const double cosine = tm_about_cosine(turn);
   const double sine = tm_about_sine(turn);
-  const double turned = tm_least(0.5 * fabs(p->turn - q->turn), 1.0); /* no less than its sine */
+  const double turned = tm_least(0.5 * fabs(stretch->turn[p] - stretch->turn[q]), 1.0); /* no less than its sine */
   const double along = 0.5 * (length + (width * turned));
   const double across = 0.5 * (width + (length * turned));
-  const double pu = (cosine * p->u) + (sine * p->v);
-  const double pv = (cosine * p->v) - (sine * p->u);
-  const double qu = (cosine * q->u) + (sine * q->v);
-  const double qv = (cosine * q->v) - (sine * q->u);
-  const double most = ((fabs(p->u) + fabs(q->u)) + (fabs(p->v) + fabs(q->v))) + ((length + width) + reach);
+  const double pu = (cosine * stretch->u[p]) + (sine * stretch->v[p]);
+  const double pv = (cosine * stretch->v[p]) - (sine * stretch->u[p]);
+  const double qu = (cosine * stretch->u[q]) + (sine * stretch->v[q]);
+  const double qv = (cosine * stretch->v[q]) - (sine * stretch->u[q]);
+  const double most = ((fabs(stretch->u[p]) + fabs(stretch->u[q])) + (fabs(stretch->v[p]) + fabs(stretch->v[q]))) + ((length + width) + reach);
   const double more = (reach + stretch->slack) + (4e-6 * most); /* sine and cosine are good to 1e-6 */
   tm_frame own = stretch->frame;
   if (!(fabs(turn) <= 0.25)) {
@@ -1177,8 +1231,8 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
       double margin;
       shape->hint = *hint;
       if (listed) {
-        const tm_posed *p = &stretch.pose[k - from];
-        const tm_posed *q = &stretch.pose[i - from];
+        const size_t p = k - from;
+        const size_t q = i - from;
         const double reach = tm_greatest(best, 1e-3) + ((kappa != NULL) ? stretch.reach[i - from] : 0.0);
         near = tm_stretch_near(&stretch, p, q, reach);
         if (near != 0u) {
