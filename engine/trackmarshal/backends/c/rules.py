@@ -161,7 +161,9 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, in
 def _concluded(writer: Writer, rule: RuleInfo, out: c.Expr, applies: c.Expr, holds: c.Expr) -> c.Expr:
     """What a rule says where everything is known. Where its margin tells whether it holds, nobody has to keep that besides."""
     assert rule.formula is not None
-    return writer.over("conclude_margin" if _told_by_margin(rule.formula) else "conclude", out, applies, holds)
+    return writer.over(
+        "conclude_margin" if _told_by_margin(rule.formula) else "conclude", out, applies, holds
+    )
 
 
 def _told_by_margin(formula: ir.Formula) -> bool:
