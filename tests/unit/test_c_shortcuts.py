@@ -121,3 +121,22 @@ def test_what_goes_with_a_memory_is_computed_in_every_cycle(tmp_path: Path) -> N
     assert "if (tm_may_hold_any(" in plain
     assert "_now(context" in remembered
     assert "if (tm_may_hold_any(" not in remembered
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        ("p.v <= 3 m/s", True),
+        ("p.v >= 3 m/s and (p.x <= 1 m or p.y >= 1 m)", True),
+        ("swept_footprint(p, abs(p.x), 2 m) inside track", True),
+        # Those do not hold where their margin is 0.
+        ("p.v < 3 m/s", False),
+        ("p.v <= 3 m/s and p.x > 1 m", False),
+        ("not (p.v <= 3 m/s)", False),
+    ],
+)
+def test_whether_a_rule_holds_is_told_by_its_margin_where_that_tells(
+    tmp_path: Path, body: str, told: bool
+) -> None:
+    text = known(tmp_path, f"  for all p in plan\n  require {body}")
+    assert ("tm_conclude_margin(" in text) == told

@@ -13,7 +13,7 @@ from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.slots import assign
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import Extreme
+from trackmarshal.ir.operators import COMPARISONS, Extreme
 from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.spec import RuleInfo
 
@@ -148,7 +148,7 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, in
     writer = Writer(plan, [rule], known, [formula], [] if active is None else [active])
     holds, applies = _value(writer)
     if known:
-        writer.add(writer.root, c.Return(writer.over("conclude", writer.name("out"), applies, holds)))
+        writer.add(writer.root, c.Return(_concluded(writer, rule, writer.name("out"), applies, holds)))
     else:
         writer.add(writer.root, c.Evaluate(writer.over("conclude", writer.name("out"), applies, holds)))
     body, series = finished(writer)
@@ -156,6 +156,29 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, in
     suffix, result = ("known", "bool") if known else ("any", "void")
     made = c.Function((_SAID[known],), result, f"{name}_{suffix}", PARAMETERS, body)
     return made, series, frozenset(writer.libm)
+
+
+def _concluded(writer: Writer, rule: RuleInfo, out: c.Expr, applies: c.Expr, holds: c.Expr) -> c.Expr:
+    """What a rule says where everything is known. Where its margin tells whether it holds, nobody has to keep that besides."""
+    assert rule.formula is not None
+    return writer.over(
+        "conclude_margin" if _told_by_margin(rule.formula) else "conclude", out, applies, holds
+    )
+
+
+def _told_by_margin(formula: ir.Formula) -> bool:
+    """Whether a formula of which all is known holds exactly where its margin is not negative."""
+    match formula:
+        case ir.Compare():
+            return COMPARISONS[formula.op].holds_at_zero
+        case ir.Truth() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+            return True
+        case ir.Connective():
+            return formula.op in ("and", "or") and all(map(_told_by_margin, (formula.left, formula.right)))
+        case ir.Quantify() | ir.Guarded():
+            return _told_by_margin(formula.body)
+        case _:
+            return False  # of a margin that is divided by a scale, nothing may be left
 
 
 #: What the two kinds of functions are.
@@ -331,7 +354,7 @@ def _group(plan: Layout, name: str, rules: Sequence[RuleInfo]) -> GroupCode:
         place = c.Member(writer.name("out"), "rule", True)
         result = c.Address(c.Element(place, c.Name(f"TM_RULE_{c_name.upper()}")))
         applies = values.get(f"{c_name}_applies", writer.over("true"))
-        said = writer.over("conclude", result, applies, values[c_name])
+        said = _concluded(writer, rule, result, applies, values[c_name])
         full = writer.call(f"tm_rule_{c_name}_any", writer.name("context"), writer.name("in"), result)
         writer.add(writer.root, c.If(c.Unary("!", said), (c.Evaluate(full),)))
     body, _ = finished(writer)

@@ -75,32 +75,30 @@ static double tm_curve_limit(const tm_curve *curve, double bound) {
 }
 
 /** How far what is swept along a curve may be beyond the hull of both footprints, or more [m]; infinite where that is not known at once.
-   (du, dv): the chord from one pose to the other; cosines and sines of their turns may be wrong by 1e-5. As in tm_curve_of, for slopes up to 0.25,
-   where a tangent is at most 0.6 times the cube above its sine, and the power of 1.5 at most 1.7 times the square above 1. */
-static inline double tm_curve_reach(double du, double dv, const tm_posed *p, const tm_posed *q, double kappa0, double kappa1,
-                                    double corner) {
-  const double way = sqrt((du * du) + (dv * dv));
-  const double per = 1.0 / tm_greatest(way, 1e-9);
-  const double along0 = (du * p->cosine) + (dv * p->sine);
-  const double along1 = (du * q->cosine) + (dv * q->sine);
-  const double a0 = per * ((du * p->sine) - (dv * p->cosine));
-  const double a1 = per * ((du * q->sine) - (dv * q->cosine));
-  const double q0 = a0 * a0;
-  const double q1 = a1 * a1;
-  const double b0 = kappa0 * way;
-  const double b1 = kappa1 * way;
-  const double cubes = 0.6 * ((q0 * fabs(a0)) + (q1 * fabs(a1)));
-  const double bent = 0.85 * ((q0 * fabs(b0)) + (q1 * fabs(b1)));
-  const double turn = fabs(a1 - a0) + cubes;
-  const double lean = (0.5 * fabs(b0 - b1)) + bent;
-  const double sway = 3.0 * (fabs(a0 + a1) + cubes);
-  const double steep = turn + lean;
-  const double off = fabs((0.5 * (b0 + b1)) - (a1 - a0)) + ((cubes + bent) + ((0.03125 * lean) * (steep * steep)));
+   (du, dv): the chord from one pose to the other, `way` long; (c0, s0), (c1, s1): cosines and sines of their turns, which may be wrong by 1e-5;
+   b0, b1: the curvatures there, times the way. As in tm_curve_of, for slopes up to 0.25, where a tangent is at most 0.6 times the cube above its
+   sine, and the power of 1.5 at most 1.7 times the square above 1. In short: of what is added up, nothing is less than what rounding makes of it. */
+static inline float tm_curve_reach(float du, float dv, float way, float c0, float s0, float c1, float s1, float b0, float b1,
+                                   float corner) {
+  const float per = 1.0f / ((way > 1e-9f) ? way : 1e-9f);
+  const float along0 = (du * c0) + (dv * s0);
+  const float along1 = (du * c1) + (dv * s1);
+  const float a0 = per * ((du * s0) - (dv * c0));
+  const float a1 = per * ((du * s1) - (dv * c1));
+  const float q0 = a0 * a0;
+  const float q1 = a1 * a1;
+  const float cubes = 0.6f * ((q0 * fabsf(a0)) + (q1 * fabsf(a1)));
+  const float bent = 0.85f * ((q0 * fabsf(b0)) + (q1 * fabsf(b1)));
+  const float turn = fabsf(a1 - a0) + cubes;
+  const float lean = (0.5f * fabsf(b0 - b1)) + bent;
+  const float sway = 3.0f * (fabsf(a0 + a1) + cubes);
+  const float steep = turn + lean;
+  const float off = fabsf((0.5f * (b0 + b1)) - (a1 - a0)) + ((cubes + bent) + ((0.03125f * lean) * (steep * steep)));
   /* An eighth of the bulge is that of the way; that of its pieces, if there are two or more, is at most a quarter of it (of the sway, 0.61). */
-  const double bulge = (way * (turn + (0.335 * sway))) + (corner * ((2.0 * lean) + (steep * steep)));
-  const double more = (((0.0625 * (off + (lean + sway))) * way) + ((0.5 * corner) * off)) + (0.15625 * bulge);
-  const int small = (q0 <= 0.0625) & (q1 <= 0.0625) & (along0 > 2e-6) & (along1 > 2e-6) & (more < 1e30); /* there are floats for it */
-  return (small != 0) ? ((1.001 * more) + (1e-4 * (corner + way))) : TM_INF;
+  const float bulge = (way * (turn + (0.335f * sway))) + (corner * ((2.0f * lean) + (steep * steep)));
+  const float more = (((0.0625f * (off + (lean + sway))) * way) + ((0.5f * corner) * off)) + (0.15625f * bulge);
+  const int small = (q0 <= 0.0625f) & (q1 <= 0.0625f) & (along0 > 2e-6f) & (along1 > 2e-6f) & (more < 1e30f);
+  return (small != 0) ? ((1.001f * more) + (1e-4f * (corner + way))) : INFINITY;
 }
 
 /** The same for a vehicle that stands, as good as: it goes no farther than this in any direction, and turns by `turned` [rad]. */

@@ -169,6 +169,12 @@ static inline bool tm_conclude(tm_result *out, tm_truth applies, tm_truth holds)
   return known;
 }
 
+/** The same of what holds exactly where its margin is not negative. */
+static inline bool tm_conclude_margin(tm_result *out, tm_truth applies, tm_truth holds) {
+  const tm_truth told = {holds.margin, holds.margin >= 0.0, holds.doubt};
+  return tm_conclude(out, applies, told);
+}
+
 /** What is true of itself. */
 static inline tm_cases tm_true_any(void) {
   const tm_cases a = {TM_INF, TM_INF, true, true};

@@ -469,6 +469,14 @@ static inline double tm_frame_apart(const tm_frame *frame, const tm_segment *s, 
   return (du * du) + (dv * dv);
 }
 
+/** The same of a point at (u, v) along the box, seen from where it is. */
+static inline double tm_point_apart(const tm_frame *frame, double u, double v) {
+  const double slack = 1e-5;
+  const double du = tm_greatest(tm_greatest(u - frame->u1, frame->u0 - u) - slack, 0.0);
+  const double dv = tm_greatest(tm_greatest(v - frame->v1, frame->v0 - v) - slack, 0.0);
+  return (du * du) + (dv * dv);
+}
+
 /** Make the corners of a sweep, unless they are made. */
 static void tm_sweep_corners(tm_sweep *sweep) {
   const tm_curve *curve = sweep->curve;
@@ -492,72 +500,126 @@ static void tm_sweep_hull(tm_sweep *sweep) {
   }
 }
 
-/** Whether a segment is farther than `best` from a sweep, going by the line along the side of the sweep that it lies on, from the rear of the
-   first pose to the front of the second one, and by how far both footprints reach beyond that line. */
-static bool tm_sweep_far(const tm_sweep *sweep, const tm_segment *s, double best) {
-  const tm_curve *curve = sweep->curve;
-  const size_t j = sweep->piece;
-  const size_t next = j + 1u;
+/** The line along a side of a sweep, from the rear of the first pose to the front of the second one, and by how far both footprints reach
+   beyond it; made once for all that lies on that side. */
+static const tm_side *tm_sweep_side(tm_sweep *sweep, bool left) {
+  tm_side *side = &sweep->side[left ? 0u : 1u];
+  if (!side->made) {
+    const tm_curve *curve = sweep->curve;
+    const size_t j = sweep->piece;
+    const size_t next = j + 1u;
+    const tm_frame *frame = &sweep->frame;
+    const double sign = left ? 1.0 : -1.0;
+    const double half_length = 0.5 * sweep->length;
+    const double half_width = (0.5 * sweep->width) * sign;
+    const double rear_x = -((half_length * curve->ahead[j]) + (half_width * curve->aside[j]));
+    const double rear_y = (half_width * curve->ahead[j]) - (half_length * curve->aside[j]);
+    const double front_x = (curve->x[next] - sweep->ox) + ((half_length * frame->ahead) - (half_width * frame->aside));
+    const double front_y = (curve->y[next] - sweep->oy) + ((half_length * frame->aside) + (half_width * frame->ahead));
+    const double ex = sign * (front_x - rear_x);
+    const double ey = sign * (front_y - rear_y);
+    const double forward = sweep->length * ((ex * curve->aside[j]) - (ey * curve->ahead[j]));
+    const double inward = -((2.0 * half_width) * ((ex * curve->ahead[j]) + (ey * curve->aside[j])));
+    const double backward = sweep->length * ((ey * frame->ahead) - (ex * frame->aside));
+    const double inward_next = -((2.0 * half_width) * ((ex * frame->ahead) + (ey * frame->aside)));
+    const double beyond = tm_greatest(tm_greatest(forward, 0.0) + tm_greatest(inward, 0.0),
+                                      tm_greatest(backward, 0.0) + tm_greatest(inward_next, 0.0));
+    side->rear_x = rear_x;
+    side->rear_y = rear_y;
+    side->ex = ex;
+    side->ey = ey;
+    side->beyond = beyond + ((fabs(ex) + fabs(ey)) * 1e-5);
+    side->square = (ex * ex) + (ey * ey);
+    side->made = true;
+  }
+  return side;
+}
+
+/** How far a point, seen from the origin of a sweep, is off the line along a side of it and all that reaches beyond: a little less than that, times
+   the line's length. */
+static inline double tm_side_off(const tm_side *side, double x, double y) {
+  return ((side->ex * (y - side->rear_y)) - (side->ey * (x - side->rear_x))) - side->beyond;
+}
+
+/** Whether what is so far off the line along a side is farther from the sweep than `best`. */
+static inline bool tm_side_far(const tm_side *side, double off, double best) {
+  return (off > 0.0) && ((off * off) > (side->square * (best * best)));
+}
+
+/** Whether a point beside a sweep is farther from it than `best`, going by the side of the hull that it should be beside, between two corners one
+   after the other, and by the corner that is farthest out from there. It is seen from the sweep's origin, and `u` along its frame. */
+static bool tm_corner_far(const tm_sweep *sweep, bool left, double u, double x, double y, double best) {
+  static const size_t corner[2][4] = {{1u, 0u, 5u, 4u}, {2u, 3u, 6u, 7u}}; /* rear and front of both poses, left and right */
+  const size_t *at = corner[left ? 0u : 1u];
   const tm_frame *frame = &sweep->frame;
-  const double ax = s->ax - sweep->ox;
-  const double ay = s->ay - sweep->oy;
-  const double bx = s->bx - sweep->ox;
-  const double by = s->by - sweep->oy;
-  const bool left = ((frame->ahead * ay) - (frame->aside * ax)) > (0.5 * (frame->v0 + frame->v1));
-  const double sign = left ? 1.0 : -1.0;
-  const double half_length = 0.5 * sweep->length;
-  const double half_width = (0.5 * sweep->width) * sign;
-  const double rear_x = -((half_length * curve->ahead[j]) + (half_width * curve->aside[j]));
-  const double rear_y = (half_width * curve->ahead[j]) - (half_length * curve->aside[j]);
-  const double front_x = (curve->x[next] - sweep->ox) + ((half_length * frame->ahead) - (half_width * frame->aside));
-  const double front_y = (curve->y[next] - sweep->oy) + ((half_length * frame->aside) + (half_width * frame->ahead));
-  const double ex = sign * (front_x - rear_x);
-  const double ey = sign * (front_y - rear_y);
-  const double forward = sweep->length * ((ex * curve->aside[j]) - (ey * curve->ahead[j]));
-  const double inward = -((2.0 * half_width) * ((ex * curve->ahead[j]) + (ey * curve->aside[j])));
-  const double backward = sweep->length * ((ey * frame->ahead) - (ex * frame->aside));
-  const double inward_next = -((2.0 * half_width) * ((ex * frame->ahead) + (ey * frame->aside)));
-  const double beyond = tm_greatest(tm_greatest(forward, 0.0) + tm_greatest(inward, 0.0),
-                                    tm_greatest(backward, 0.0) + tm_greatest(inward_next, 0.0));
-  const double off = tm_least((ex * (ay - rear_y)) - (ey * (ax - rear_x)), (ex * (by - rear_y)) - (ey * (bx - rear_x))) -
-                     (beyond + ((fabs(ex) + fabs(ey)) * 1e-5));
+  const double front = (frame->ahead * sweep->x[at[1]]) + (frame->aside * sweep->y[at[1]]);
+  const double rear = (frame->ahead * sweep->x[at[2]]) + (frame->aside * sweep->y[at[2]]);
+  const size_t one = at[(front < rear) ? 1u : 2u];
+  const size_t other = at[(front < rear) ? 2u : 1u];
+  const bool before = u < tm_least(front, rear);
+  const bool after = u > tm_greatest(front, rear);
+  const size_t from = before ? at[0] : (after ? other : one);
+  const size_t to = before ? one : (after ? at[3] : other);
+  const double ex = sweep->x[to] - sweep->x[from];
+  const double ey = sweep->y[to] - sweep->y[from];
+  const double nx = left ? -ey : ey;
+  const double ny = left ? ex : -ex;
+  double most = -TM_INF;
+  for (size_t i = 0u; i < 8u; ++i) {
+    most = tm_greatest(most, (nx * sweep->x[i]) + (ny * sweep->y[i]));
+  }
+  const double off = ((nx * x) + (ny * y)) - (most + (1e-5 * (fabs(ex) + fabs(ey))));
   return (off > 0.0) && ((off * off) > (((ex * ex) + (ey * ey)) * (best * best)));
 }
 
-/** The distance of a sweep (its eight corners, its sides) from one border segment that does not enter it; where it is more
-   than the nearest so far, something more than that. */
-static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s) {
-  const double ax = s->ax - sweep->ox;
-  const double ay = s->ay - sweep->oy;
-  const double bx = s->bx - sweep->ox;
-  const double by = s->by - sweep->oy;
+/** The distance of some corners of a sweep, seen from its origin, from one border segment; where that is more than the nearest so far, something
+   more than that. */
+static inline double tm_corners_gap(const tm_segment *s, const double *x, const double *y, size_t count, double ax, double ay, double bx,
+                                    double by) {
   double across[8];
   double ends[8];
   double line = TM_INF;
   double end = TM_INF;
-  double reach;
-  double best;
-  tm_segment start;
-  for (size_t i = 0u; i < 8u; ++i) {
-    const double rx = sweep->x[i] - ax;
-    const double ry = sweep->y[i] - ay;
+  for (size_t i = 0u; i < count; ++i) {
+    const double rx = x[i] - ax;
+    const double ry = y[i] - ay;
     const double product = (s->ex * rx) + (s->ey * ry);
     const bool beside = ((0.0 < product) & (product < s->square)) != 0;
-    const double sx = sweep->x[i] - bx;
-    const double sy = sweep->y[i] - by;
+    const double sx = x[i] - bx;
+    const double sy = y[i] - by;
     across[i] = beside ? fabs((s->ex * ry) - (s->ey * rx)) : TM_INF;
     ends[i] = beside ? TM_INF : tm_least((rx * rx) + (ry * ry), (sx * sx) + (sy * sy));
   }
-  for (size_t i = 0u; i < 8u; ++i) {
+  for (size_t i = 0u; i < count; ++i) {
     line = tm_least(line, across[i]);
     end = tm_least(end, ends[i]);
   }
-  reach = tm_least(line / s->length, sqrt(end));
-  best = tm_least(sweep->best, reach);
-  start = *s;
-  start.bx = s->ax;
-  start.by = s->ay;
-  if ((tm_frame_apart(&sweep->frame, &start, sweep->ox, sweep->oy) <= (best * best)) && !tm_sweep_far(sweep, &start, best)) {
+  return tm_least(line / s->length, sqrt(end));
+}
+
+/** The distance of a sweep (its eight corners, its sides) from one border segment that does not enter it; where it is more
+   than the nearest so far, something more than that. `side`: the one that it lies on; `off`: how far its start is off that. */
+static double tm_sweep_gap(tm_sweep *sweep, const tm_segment *s, bool left, const tm_side *side, double off) {
+  const double ax = s->ax - sweep->ox;
+  const double ay = s->ay - sweep->oy;
+  const double bx = s->bx - sweep->ox;
+  const double by = s->by - sweep->oy;
+  const tm_frame *frame = &sweep->frame;
+  const double va = (frame->ahead * ay) - (frame->aside * ax);
+  const double vb = (frame->ahead * by) - (frame->aside * bx);
+  const double beyond = left ? (tm_least(va, vb) - sweep->right_most) : (sweep->left_least - tm_greatest(va, vb));
+  double reach;
+  if ((beyond - 1e-5) > sweep->best) { /* the corners of the other side are too far away */
+    const size_t k = left ? 0u : 2u;
+    const double x[4] = {sweep->x[k], sweep->x[k + 1u], sweep->x[k + 4u], sweep->x[k + 5u]};
+    const double y[4] = {sweep->y[k], sweep->y[k + 1u], sweep->y[k + 4u], sweep->y[k + 5u]};
+    reach = tm_corners_gap(s, x, y, 4u, ax, ay, bx, by);
+  } else {
+    reach = tm_corners_gap(s, sweep->x, sweep->y, 8u, ax, ay, bx, by);
+  }
+  const double best = tm_least(sweep->best, reach);
+  const double ua = (frame->ahead * ax) + (frame->aside * ay);
+  if (!tm_side_far(side, off, best) && (tm_point_apart(frame, ua, va) <= (best * best)) && !tm_corner_far(sweep, left, ua, ax, ay, best)) {
     tm_sweep_hull(sweep);
     reach = tm_least(reach, tm_hull_distance(&sweep->hull, ax, ay));
   }
@@ -641,7 +703,8 @@ static void tm_sweep_piece(const tm_curve *curve, size_t j, double length, doubl
   const double dy = curve->y[next] - curve->y[j];
   const double u = (ahead * dx) + (aside * dy);
   const double v = (ahead * dy) - (aside * dx);
-  const double cosine = fabs((ahead * curve->ahead[j]) + (aside * curve->aside[j]));
+  const double turned = (ahead * curve->ahead[j]) + (aside * curve->aside[j]);
+  const double cosine = fabs(turned);
   const double sine = fabs((ahead * curve->aside[j]) - (aside * curve->ahead[j]));
   const double along = 0.5 * ((length * cosine) + (width * sine));
   const double across = 0.5 * ((width * cosine) + (length * sine));
@@ -651,6 +714,12 @@ static void tm_sweep_piece(const tm_curve *curve, size_t j, double length, doubl
   frame->u1 = tm_greatest(along, u + (0.5 * length));
   frame->v0 = tm_least(-across, v - (0.5 * width));
   frame->v1 = tm_greatest(across, v + (0.5 * width));
+  /* Poses that are turned by a right angle and more have no sides. */
+  const double inner = (turned > 0.0) ? (0.5 * ((length * sine) - (width * cosine))) : TM_INF;
+  sweep->right_most = tm_greatest(inner, v - (0.5 * width));
+  sweep->left_least = tm_least(-inner, v + (0.5 * width));
+  sweep->side[0].made = false;
+  sweep->side[1].made = false;
   sweep->curve = curve;
   sweep->piece = j;
   sweep->length = length;
@@ -690,11 +759,17 @@ static bool tm_sweep_nearer(const tm_context *c, size_t i, tm_sweep *sweep) {
       return false;
     }
   }
-  if (tm_sweep_far(sweep, &s, sweep->best)) {
+  const double ax = s.ax - sweep->ox;
+  const double ay = s.ay - sweep->oy;
+  const bool left = ((sweep->frame.ahead * ay) - (sweep->frame.aside * ax)) > (0.5 * (sweep->frame.v0 + sweep->frame.v1));
+  const tm_side *side = tm_sweep_side(sweep, left);
+  const double start = tm_side_off(side, ax, ay);
+  const double off = tm_least(start, tm_side_off(side, s.bx - sweep->ox, s.by - sweep->oy));
+  if (tm_side_far(side, off, sweep->best)) {
     return false;
   }
   tm_sweep_corners(sweep);
-  reach = tm_sweep_gap(sweep, &s);
+  reach = tm_sweep_gap(sweep, &s, left, side, start);
   if (reach < sweep->best) {
     sweep->best = reach;
     return true;
@@ -820,54 +895,104 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
                           double width) {
   const size_t middle = count / 2u;
   tm_frame *all = &stretch->frame;
-  stretch->ox = x[middle];
-  stretch->oy = y[middle];
-  all->ahead = cos(heading[middle]);
-  all->aside = sin(heading[middle]);
-  all->u0 = TM_INF;
-  all->u1 = -TM_INF;
-  all->v0 = TM_INF;
-  all->v1 = -TM_INF;
-  for (size_t i = 0u; i < count; ++i) {
-    const double dx = x[i] - stretch->ox;
-    const double dy = y[i] - stretch->oy;
-    tm_posed *pose = &stretch->pose[i];
-    pose->u = (all->ahead * dx) + (all->aside * dy);
-    pose->v = (all->ahead * dy) - (all->aside * dx);
-    pose->turn = heading[i] - heading[middle];
-    pose->cosine = tm_about_cosine(pose->turn);
-    pose->sine = tm_about_sine(pose->turn);
-    const double turned = tm_least(fabs(pose->turn), 1.0); /* no less than its sine */
-    const double along = 0.5 * (length + (width * turned));
-    const double across = 0.5 * (width + (length * turned));
-    all->u0 = tm_least(all->u0, pose->u - along);
-    all->u1 = tm_greatest(all->u1, pose->u + along);
-    all->v0 = tm_least(all->v0, pose->v - across);
-    all->v1 = tm_greatest(all->v1, pose->v + across);
-    pose->u0 = (float)(pose->u - along);
-    pose->u1 = (float)(pose->u + along);
-    pose->v0 = (float)(pose->v - across);
-    pose->v1 = (float)(pose->v + across);
+  const double ox = x[middle];
+  const double oy = y[middle];
+  const double ahead = cos(heading[middle]);
+  const double aside = sin(heading[middle]);
+  for (size_t from = 0u; from < count; from += 4u) { /* four at once take no longer */
+    double dx[4];
+    double dy[4];
+    double turned[4];
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t i = ((from + n) < count) ? (from + n) : (count - 1u);
+      dx[n] = x[i] - ox;
+      dy[n] = y[i] - oy;
+      turned[n] = heading[i] - heading[middle];
+    }
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t k = from + n;
+      const double turn = turned[n];
+      const double u = (ahead * dx[n]) + (aside * dy[n]);
+      const double v = (ahead * dy[n]) - (aside * dx[n]);
+      const double sine = tm_least(fabs(turn), 1.0); /* no less than that */
+      const double along = 0.5 * (length + (width * sine));
+      const double across = 0.5 * (width + (length * sine));
+      stretch->turn[k] = turn;
+      stretch->u[k] = u;
+      stretch->v[k] = v;
+      stretch->cosine[k] = (float)tm_about_cosine(turn);
+      stretch->sine[k] = (float)tm_about_sine(turn);
+      stretch->least_u[k] = (float)(u - along);
+      stretch->most_u[k] = (float)(u + along);
+      stretch->least_v[k] = (float)(v - across);
+      stretch->most_v[k] = (float)(v + across);
+    }
   }
+  float u0 = stretch->least_u[0];
+  float u1 = stretch->most_u[0];
+  float v0 = stretch->least_v[0];
+  float v1 = stretch->most_v[0];
+  for (size_t k = 1u; k < count; ++k) {
+    u0 = (stretch->least_u[k] < u0) ? stretch->least_u[k] : u0;
+    u1 = (stretch->most_u[k] > u1) ? stretch->most_u[k] : u1;
+    v0 = (stretch->least_v[k] < v0) ? stretch->least_v[k] : v0;
+    v1 = (stretch->most_v[k] > v1) ? stretch->most_v[k] : v1;
+  }
+  stretch->ox = ox;
+  stretch->oy = oy;
+  all->ahead = ahead;
+  all->aside = aside;
+  all->u0 = (double)u0 - (fabs((double)u0) * 1.2e-7); /* no less than what was made short */
+  all->u1 = (double)u1 + (fabs((double)u1) * 1.2e-7);
+  all->v0 = (double)v0 - (fabs((double)v0) * 1.2e-7);
+  all->v1 = (double)v1 + (fabs((double)v1) * 1.2e-7);
+  const size_t behind = ((count + 3u) / 4u) * 4u; /* who looks at four ways at once reads it */
+  stretch->cosine[behind] = 1.0f;
+  stretch->sine[behind] = 0.0f;
 }
 
 /** How far what is swept along the ways of a stretch may be beyond the straight ones, and the most of these; `kappa`: the curvatures at its
    poses. */
 static void tm_stretch_reaches(tm_stretch *stretch, const double *kappa, size_t count, double length, double width) {
   const double corner = 0.5 * sqrt((length * length) + (width * width));
+  const float most = (float)corner;
   stretch->widest = 0.0;
   stretch->reach[0] = 0.0;
-  for (size_t i = 1u; i < count; ++i) {
-    const tm_posed *p = &stretch->pose[i - 1u];
-    const tm_posed *q = &stretch->pose[i];
-    const double du = q->u - p->u;
-    const double dv = q->v - p->v;
-    double reach = tm_curve_reach(du, dv, p, q, kappa[i - 1u], kappa[i], corner);
-    if (!(reach < TM_INF)) {
-      reach = tm_stand_reach(du, dv, q->turn - p->turn, corner);
+  for (size_t from = 0u; (from + 1u) < count; from += 4u) { /* four at once take no longer */
+    float du[4];
+    float dv[4];
+    float way[4];
+    float b0[4];
+    float b1[4];
+    float reach[4];
+    for (size_t n = 0u; n < 4u; ++n) {
+      const size_t k = from + n;
+      const size_t i = ((k + 1u) < count) ? (k + 1u) : (count - 1u);
+      const double u = stretch->u[i] - stretch->u[i - 1u];
+      const double v = stretch->v[i] - stretch->v[i - 1u];
+      const double chord = sqrt((u * u) + (v * v));
+      du[n] = (float)u;
+      dv[n] = (float)v;
+      way[n] = (float)chord;
+      b0[n] = (float)(kappa[i - 1u] * chord);
+      b1[n] = (float)(kappa[i] * chord);
     }
-    stretch->reach[i] = ((fabs(p->turn) <= 0.4) && (fabs(q->turn) <= 0.4)) ? reach : TM_INF;
-    stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
+    const float *cosine = &stretch->cosine[from];
+    const float *sine = &stretch->sine[from];
+    for (size_t n = 0u; n < 4u; ++n) {
+      reach[n] = tm_curve_reach(du[n], dv[n], way[n], cosine[n], sine[n], cosine[n + 1u], sine[n + 1u], b0[n], b1[n], most);
+    }
+    for (size_t n = 0u; (n < 4u) && ((from + n + 1u) < count); ++n) {
+      const size_t i = from + n + 1u;
+      const bool little = (fabs(stretch->turn[i - 1u]) <= 0.4) && (fabs(stretch->turn[i]) <= 0.4);
+      double beyond = (double)reach[n];
+      if (!(beyond < TM_INF)) {
+        beyond = tm_stand_reach(stretch->u[i] - stretch->u[i - 1u], stretch->v[i] - stretch->v[i - 1u],
+                                stretch->turn[i] - stretch->turn[i - 1u], corner);
+      }
+      stretch->reach[i] = little ? beyond : TM_INF;
+      stretch->widest = tm_greatest(stretch->widest, stretch->reach[i]);
+    }
   }
 }
 
@@ -937,9 +1062,13 @@ static bool tm_box_near(const tm_frame *box, double ua, double va, double ub, do
 }
 
 /** Which of the listed segments may lie within `reach` of what is swept between two poses of a stretch, going by the stretch: a bit each. */
-static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double reach) {
-  const float box[4] = {(q->u0 < p->u0) ? q->u0 : p->u0, (q->u1 > p->u1) ? q->u1 : p->u1,
-                        (q->v0 < p->v0) ? q->v0 : p->v0, (q->v1 > p->v1) ? q->v1 : p->v1};
+static unsigned long tm_stretch_near(const tm_stretch *stretch, size_t p, size_t q, double reach) {
+  const float *u0 = stretch->least_u;
+  const float *u1 = stretch->most_u;
+  const float *v0 = stretch->least_v;
+  const float *v1 = stretch->most_v;
+  const float box[4] = {(u0[q] < u0[p]) ? u0[q] : u0[p], (u1[q] > u1[p]) ? u1[q] : u1[p], (v0[q] < v0[p]) ? v0[q] : v0[p],
+                        (v1[q] > v1[p]) ? v1[q] : v1[p]};
   const float more = (float)(reach + stretch->slack);
   unsigned long bits = 0u;
   for (size_t k = 0u; k < stretch->count; k += 8u) {
@@ -951,19 +1080,19 @@ static unsigned long tm_stretch_near(const tm_stretch *stretch, const tm_posed *
 
 /** Of these segments, those that may still be going by the direction in the middle between both poses, if that is turned by little from
    the stretch. */
-static unsigned long tm_stretch_nearer(const tm_stretch *stretch, const tm_posed *p, const tm_posed *q, double length, double width,
+static unsigned long tm_stretch_nearer(const tm_stretch *stretch, size_t p, size_t q, double length, double width,
                                        double reach, unsigned long near) {
-  const double turn = 0.5 * (p->turn + q->turn);
+  const double turn = 0.5 * (stretch->turn[p] + stretch->turn[q]);
   const double cosine = tm_about_cosine(turn);
   const double sine = tm_about_sine(turn);
-  const double turned = tm_least(0.5 * fabs(p->turn - q->turn), 1.0); /* no less than its sine */
+  const double turned = tm_least(0.5 * fabs(stretch->turn[p] - stretch->turn[q]), 1.0); /* no less than its sine */
   const double along = 0.5 * (length + (width * turned));
   const double across = 0.5 * (width + (length * turned));
-  const double pu = (cosine * p->u) + (sine * p->v);
-  const double pv = (cosine * p->v) - (sine * p->u);
-  const double qu = (cosine * q->u) + (sine * q->v);
-  const double qv = (cosine * q->v) - (sine * q->u);
-  const double most = ((fabs(p->u) + fabs(q->u)) + (fabs(p->v) + fabs(q->v))) + ((length + width) + reach);
+  const double pu = (cosine * stretch->u[p]) + (sine * stretch->v[p]);
+  const double pv = (cosine * stretch->v[p]) - (sine * stretch->u[p]);
+  const double qu = (cosine * stretch->u[q]) + (sine * stretch->v[q]);
+  const double qv = (cosine * stretch->v[q]) - (sine * stretch->u[q]);
+  const double most = ((fabs(stretch->u[p]) + fabs(stretch->u[q])) + (fabs(stretch->v[p]) + fabs(stretch->v[q]))) + ((length + width) + reach);
   const double more = (reach + stretch->slack) + (4e-6 * most); /* sine and cosine are good to 1e-6 */
   tm_frame own = stretch->frame;
   if (!(fabs(turn) <= 0.25)) {
@@ -1102,8 +1231,8 @@ static double tm_timeline_inside(tm_context *c, tm_shape *shape, const double *x
       double margin;
       shape->hint = *hint;
       if (listed) {
-        const tm_posed *p = &stretch.pose[k - from];
-        const tm_posed *q = &stretch.pose[i - from];
+        const size_t p = k - from;
+        const size_t q = i - from;
         const double reach = tm_greatest(best, 1e-3) + ((kappa != NULL) ? stretch.reach[i - from] : 0.0);
         near = tm_stretch_near(&stretch, p, q, reach);
         if (near != 0u) {

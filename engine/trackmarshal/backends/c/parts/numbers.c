@@ -10,18 +10,14 @@ static bool tm_missing(tm_flag flag) {
 
 /** The smaller of two numbers, 0.0 for both zeros; NaN where one is. Not fmin, which drops a NaN. */
 static double tm_min(double a, double b) {
-  if (!(a == a) || !(b == b)) {
-    return TM_NAN;
-  }
-  return ((b < a) ? b : a) + 0.0;
+  const double lesser = (b < a) ? b : a; /* a, where one is NaN */
+  return (b == b) ? (lesser + 0.0) : TM_NAN;
 }
 
 /** The greater of two numbers, 0.0 for both zeros; NaN where one is. */
 static double tm_max(double a, double b) {
-  if (!(a == a) || !(b == b)) {
-    return TM_NAN;
-  }
-  return ((b > a) ? b : a) + 0.0;
+  const double greater = (b > a) ? b : a; /* a, where one is NaN */
+  return (b == b) ? (greater + 0.0) : TM_NAN;
 }
 
 /** 1 for a number above zero, -1 for one below, 0.0 for both zeros; NaN for NaN. */
