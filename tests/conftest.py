@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -36,20 +37,39 @@ AS_SHIPPED = (
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 
-#: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone.
+#: What takes longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone.
 LONGEST = (
     "property/test_door_fuzz.py", "differential/test_c_supervisor.py", "differential/test_c_over_run.py", "differential/test_c_forgetting.py",
     "differential/test_c_supervisor_remembers.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
     "differential/test_c_generated.py",
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in LONGEST)
+#: Tests in parts that one worker would take too long for: each part goes to whoever is free.
+IN_PARTS = ("test_every_mutation_is_named_with_its_field", "test_generated_runs")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """At length the longest come first; the others stay in their order."""
     if AT_LENGTH:
         places = {str(Path(__file__).parent / file): place for place, file in enumerate(LONGEST)}
-        items.sort(key=lambda item: places.get(str(item.path), len(places)))
+        items.sort(
+            key=lambda item: (places.get(str(item.path), len(places)), not item.name.startswith(IN_PARTS))
+        )
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """At length, files stay together but for tests in parts."""
+    if not AT_LENGTH or config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class LoadParts(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file, _, name = nodeid.partition("::")
+            return nodeid if name.startswith(IN_PARTS) else file
+
+    return LoadParts(config, log)
 
 
 @pytest.fixture(scope="module", autouse=True)
