@@ -11,11 +11,14 @@ import pytest
 from hypothesis import settings
 
 from support.length import AT_LENGTH
+from support.once import compiled_once
 from trackmarshal.backends.c import build
+from trackmarshal.semantics.compile import _Compiler
 
 settings.register_profile("daily", max_examples=40)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
+    _Compiler.run = compiled_once(_Compiler.run)  # type: ignore[method-assign]
 
 
 # Collecting imports thousands of objects that stay, and tests make thousands that their last reference ends: looking for circles among
@@ -37,39 +40,38 @@ AS_SHIPPED = (
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 
-#: What takes longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone.
+#: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone. Each of their
+#: tests goes to whoever is free.
 LONGEST = (
-    "property/test_door_fuzz.py", "differential/test_c_supervisor.py", "differential/test_c_over_run.py", "differential/test_c_forgetting.py",
-    "differential/test_c_supervisor_remembers.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
-    "differential/test_c_generated.py",
+    "differential/test_c_supervisor.py", "differential/test_c_generated.py", "property/test_door_fuzz.py", "differential/test_c_over_run.py",
+    "differential/test_c_forgetting.py", "differential/test_c_supervisor_remembers.py", "differential/test_evaluators.py",
+    "acceptance/test_gate.py", "property/test_types_fuzz.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
+    "differential/test_c_door.py", "acceptance/test_planner_rules.py", "acceptance/test_planner_limits.py", "property/test_forgetting.py",
+    "property/test_process_fuzz.py",
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in LONGEST)
-#: Tests in parts that one worker would take too long for: each part goes to whoever is free.
-IN_PARTS = ("test_every_mutation_is_named_with_its_field", "test_generated_runs")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """At length the longest come first; the others stay in their order."""
     if AT_LENGTH:
         places = {str(Path(__file__).parent / file): place for place, file in enumerate(LONGEST)}
-        items.sort(
-            key=lambda item: (places.get(str(item.path), len(places)), not item.name.startswith(IN_PARTS))
-        )
+        items.sort(key=lambda item: places.get(str(item.path), len(places)))
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """At length, files stay together but for tests in parts."""
+    """At length files stay together, but for the longest."""
     if not AT_LENGTH or config.getoption("dist") != "loadfile":
         return None
     from xdist.scheduler import LoadFileScheduling
 
-    class LoadParts(LoadFileScheduling):
+    class LoadLongest(LoadFileScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            file, _, name = nodeid.partition("::")
-            return nodeid if name.startswith(IN_PARTS) else file
+            file = nodeid.partition("::")[0]
+            return nodeid if file.endswith(LONGEST) else file
 
-    return LoadParts(config, log)
+    return LoadLongest(config, log)
 
 
 @pytest.fixture(scope="module", autouse=True)
