@@ -5,16 +5,20 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
 
 from support.length import AT_LENGTH
+from support.once import compiled_once
 from trackmarshal.backends.c import build
+from trackmarshal.semantics.compile import _Compiler
 
 settings.register_profile("daily", max_examples=40)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
+    _Compiler.run = compiled_once(_Compiler.run)  # type: ignore[method-assign]
 
 
 # Collecting imports thousands of objects that stay, and tests make thousands that their last reference ends: looking for circles among
@@ -36,11 +40,14 @@ AS_SHIPPED = (
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 
-#: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone.
+#: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone. Each of their
+#: tests goes to whoever is free.
 LONGEST = (
-    "property/test_door_fuzz.py", "differential/test_c_supervisor.py", "differential/test_c_over_run.py", "differential/test_c_forgetting.py",
-    "differential/test_c_supervisor_remembers.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
-    "differential/test_c_generated.py",
+    "differential/test_c_supervisor.py", "differential/test_c_generated.py", "property/test_door_fuzz.py", "differential/test_c_over_run.py",
+    "differential/test_c_forgetting.py", "differential/test_c_supervisor_remembers.py", "differential/test_evaluators.py",
+    "acceptance/test_gate.py", "property/test_types_fuzz.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
+    "differential/test_c_door.py", "acceptance/test_planner_rules.py", "acceptance/test_planner_limits.py", "property/test_forgetting.py",
+    "property/test_process_fuzz.py", "acceptance/test_planner_takeup.py",
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in LONGEST)
 
@@ -50,6 +57,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     if AT_LENGTH:
         places = {str(Path(__file__).parent / file): place for place, file in enumerate(LONGEST)}
         items.sort(key=lambda item: places.get(str(item.path), len(places)))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """At length files stay together, but for the longest."""
+    if not AT_LENGTH or config.getoption("dist") != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class LoadLongest(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = nodeid.partition("::")[0]
+            return nodeid if file.endswith(LONGEST) else file
+
+    return LoadLongest(config, log)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -25,14 +25,14 @@ from support.cycles import PERIOD
 from support.cycles import cycle as straight
 from support.ring_cycles import Cycle, breaches, cycle, mutate, ring
 from support.sanitized import FLAGS as SANITIZED
-from support.shared import SUPERVISOR
 from support.si_cycles import Driver, program
+from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Stepper
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import FieldType, SignalType, Spec
 from trackmarshal.runtime.contract import KINDS, Kind
 from trackmarshal.runtime.contract.conditions import Condition
@@ -51,7 +51,7 @@ TRACK = {"left": np.array(ring(94.0)), "right": np.array(ring(106.0)), "closed":
 
 @cache
 def spec() -> Spec:
-    return load(SUPERVISOR)
+    return shipped()
 
 
 @cache

@@ -17,6 +17,7 @@ import pytest
 
 from support.agreement import compiled, outcomes, read, results
 from support.generated import RandomChoices, subject
+from support.length import amount
 from trackmarshal.backends.c import build
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
@@ -29,6 +30,7 @@ pytestmark = [
 
 #: A spec is compiled in a tenth of a second: the default is the share for every day.
 GENERATED = int(os.environ.get("TRACKMARSHAL_COMPILED", "10"))
+PARTS = amount(1, 8)
 #: Found wrong once: a series overwritten before it was read; a series that an optimiser took for the one before; a bound
 #: of a loop used ahead of it; a variable in a guard taken for the sample of a timeline beside it.
 FOUND = (30, 1237, 1896, 6040, 31366, 31507, 31894, 40888)
@@ -75,14 +77,16 @@ def empty_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Pat
         file.unlink()
 
 
-def test_made_up_specs(empty_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("part", range(PARTS))
+def test_made_up_specs(empty_cache: Path, monkeypatch: pytest.MonkeyPatch, part: int) -> None:
     seen: Counter[str] = Counter()
     found, fast = [], build.FAST
-    for seed in (*FOUND, *range(GENERATED)):
+    for seed in (*FOUND, *range(GENERATED))[part::PARTS]:
         monkeypatch.setattr(build, "FAST", fast if seed % 10 == 0 or seed in FOUND else ("-O0",))
         found += compare(seed, seen)
         for file in empty_cache.glob("*/*.so"):
             file.unlink()
     assert not found, f"{len(found)} differences: {found[:5]}"
-    assert min(seen[verdict] for verdict in ("satisfied", "violated", "undefined", "inactive")) >= GENERATED
-    assert seen["refused"] <= GENERATED / 5
+    share = GENERATED / PARTS
+    assert min(seen[verdict] for verdict in ("satisfied", "violated", "undefined", "inactive")) >= share
+    assert seen["refused"] <= share / 5

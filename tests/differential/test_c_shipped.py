@@ -13,9 +13,10 @@ import pytest
 from support import seed
 from support.agreement import outcomes
 from support.length import at_length
-from support.shared import SUPERVISOR, oracle, shared
+from support.shared import oracle, shared
+from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.scenarios import load as load_recording
@@ -35,7 +36,7 @@ KINDS: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], list[str]]] =
 
 @cache
 def spec() -> Spec:
-    return load(SUPERVISOR)
+    return shipped()
 
 
 def bits(x: float) -> bytes:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from support.cycles import cycle, mutate
-from trackmarshal.evaluation import load
+from support.supervised import shipped
 from trackmarshal.runtime.contract import Contract, of_cycles
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.door import Admission, Door
@@ -22,7 +22,7 @@ ALSO = frozenset({"driving.jerk", "emergency.jerk", "objects.colour", "mood"})
 
 @pytest.fixture(scope="module")
 def contract() -> Contract:
-    spec = load([ROOT / "specs" / "supervisor"])
+    spec = shipped()
     return of_cycles(spec, [rule for rule in spec.rules if rule.formula is not None])
 
 

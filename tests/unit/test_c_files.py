@@ -19,13 +19,14 @@ from support.agreement import outcomes
 from support.emitted import SCENARIOS, emit, name_of
 from support.sanitized import FLAGS as SANITIZED
 from support.shared import SUPERVISOR
+from support.supervised import shipped
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.report import complexity, libm
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import CHUNK, Evaluator, load
+from trackmarshal.evaluation import CHUNK, Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -35,7 +36,7 @@ STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Werror"
 
 @cache
 def spec() -> Spec:
-    return load(SUPERVISOR)
+    return shipped()
 
 
 @cache

@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 
 from support.cycles import PERIOD, cycle
-from support.shared import SUPERVISOR
 from support.si_cycles import Driver, program
+from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.parts import functions
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Said, Stepper
-from trackmarshal.evaluation import load
 
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-4")]
 
@@ -66,11 +65,11 @@ def switched(text: str) -> str:
 
 @cache
 def source() -> Source:
-    made = program(load(SUPERVISOR))
+    made = program(shipped())
     return replace(made, source=switched(made.source))
 
 
-NAMES = list(names(program(load(SUPERVISOR)).source)) if compiler() is not None else []
+NAMES = list(names(program(shipped()).source)) if compiler() is not None else []
 
 
 class Bold(Stepper):

@@ -11,6 +11,7 @@ import pytest
 import trackmarshal as tm
 from support.command import BACKENDS
 from support.shared import REPOSITORY
+from support.supervised import shipped
 from trackmarshal.evaluation import Evaluator, load
 
 SPECS = REPOSITORY / "specs"
@@ -80,7 +81,7 @@ def test_arrays_without_curvature() -> None:
     signals = [bend(5), bend(5)]
     columns = {name: np.array([one["plan"][name] for one in signals]) for name in signals[0]["plan"]}
     shared = {name: signals[0][name] for name in ("track", "obstacles")}
-    evaluator = Evaluator(load(SUPERVISOR), RULES)
+    evaluator = Evaluator(shipped(), RULES)
     for taken in (columns, {name: column for name, column in columns.items() if name != "kappa"}):
         batch = evaluator.batch({"plan": taken}, shared)
         case = {"plan": {name: column[0].tolist() for name, column in taken.items()}, **shared}
@@ -93,7 +94,7 @@ def test_another_rule_that_reads_it_is_undefined() -> None:
     """Only the sweep can do without."""
     case = without(bend(5))
     case["plan"] |= {"s": [STEP * i for i in range(5)], "v": [10.0] * 5, "a": [0.0] * 5}
-    result = Evaluator(load(SUPERVISOR), ["static_collision", "turn_radius"]).case({"signals": case})
+    result = Evaluator(shipped(), ["static_collision", "turn_radius"]).case({"signals": case})
     assert result.rules["static_collision"].verdict != "undefined"
     assert result.rules["turn_radius"].verdict == "undefined"
     assert any("kappa" in fault for fault in result.faults)
@@ -101,7 +102,7 @@ def test_another_rule_that_reads_it_is_undefined() -> None:
 
 def test_in_operation_it_has_to_be_there() -> None:
     """Even where no rule but the sweep reads it."""
-    supervisor = tm.supervisor(load(SUPERVISOR), ["static_collision"])
+    supervisor = tm.supervisor(shipped(), ["static_collision"])
     full = bend(9)
     plan = {**full["plan"], "v": [10.0] * 8 + [0.0]}
     ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}

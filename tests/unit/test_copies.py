@@ -11,7 +11,7 @@ import pytest
 
 import trackmarshal as tm
 from support.cycles import PERIOD, SPEED, cycle
-from support.supervised import ROOT
+from support.supervised import shipped
 from trackmarshal.runtime.decision import Decision
 
 BORDER = [[0.0, 1.0], [10.0, 1.0], [20.0, 2.0]]
@@ -21,7 +21,7 @@ def decisions(backend: str) -> list[Decision]:
     """One that drives, one in which the driving trajectory is too fast, and one of a cycle that did not come; rules read the borders."""
     now = 0.0
     supervisor = tm.supervisor(
-        tm.load([ROOT / "specs" / "supervisor"]),
+        shipped(),
         ["speed_limit", "static_collision"],
         clock=lambda: now,
         params={"v_max": 30.0},

@@ -11,9 +11,9 @@ import pytest
 
 from support.project import run_command
 from support.shared import REPOSITORY, shared
+from support.supervised import shipped
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import load
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.fields import check_fields
 
@@ -186,11 +186,11 @@ def test_the_header_declares_what_no_spec_does() -> None:
 )
 def test_shared_recordings_say_nothing_unknown(parts: tuple[str, ...]) -> None:
     recording = scenarios.load(shared(*parts))
-    check_fields(recording, load(REPOSITORY / "specs" / "supervisor"), list)
+    check_fields(recording, shipped(), list)
 
 
 def test_shipped_recordings_say_nothing_unknown() -> None:
-    spec = load(REPOSITORY / "specs" / "supervisor")
+    spec = shipped()
     paths = sorted((REPOSITORY / "specs" / "scenarios").glob("*.jsonl*"))
     assert len(paths) == 10
     for path in paths:

@@ -162,7 +162,7 @@ def test_a_record_that_was_never_closed_and_lacks_its_end_is_whole_before(record
 
 def test_no_snapshot_is_taken_for_one_of_other_cycles_where_rows_are_gone(tmp_path: Path) -> None:
     path, now = tmp_path / "run.arrows", 0.0
-    spec = tm.load([ROOT / "specs" / "supervisor"])
+    spec = shipped()
     supervisor = tm.supervisor(spec, ["speed_limit"], clock=lambda: now, record=path, snapshots=2)
     for number in range(6):
         now = number * PERIOD
@@ -176,7 +176,7 @@ def test_no_snapshot_is_taken_for_one_of_other_cycles_where_rows_are_gone(tmp_pa
 
 def test_a_border_that_came_in_a_row_that_is_gone(tmp_path: Path) -> None:
     path, now = tmp_path / "run.arrows", 0.0
-    spec = tm.load([ROOT / "specs" / "supervisor"])
+    spec = shipped()
     supervisor = tm.supervisor(spec, ["static_collision"], clock=lambda: now, record=path)
     for number in range(3):
         now = number * PERIOD
@@ -241,7 +241,7 @@ def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
 
 def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
-    supervisor = tm.supervisor(tm.load([ROOT / "specs" / "supervisor"]), ["speed_limit"], record=path)
+    supervisor = tm.supervisor(shipped(), ["speed_limit"], record=path)
     supervisor.step(None)
     with pytest.raises(TrackmarshalError) as caught:
         tm.load_recording(path)

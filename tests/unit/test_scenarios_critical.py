@@ -6,6 +6,7 @@ import json
 import math
 import os
 from collections.abc import Callable
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import load
+from trackmarshal.ir.spec import Spec
 from trackmarshal.scenarios import inputs, overrides, recording_io
 from trackmarshal.scenarios.generate import generate, road
 from trackmarshal.scenarios.generate.boxes import Box, separation
@@ -119,6 +121,11 @@ def test_what_is_driven_is_possible(name: str, recordings: dict[str, Recording])
                     assert plan[field][0] == pytest.approx(e[field], abs=1e-6)
 
 
+@cache
+def rules() -> Spec:
+    return load([SPECS / "supervisor"], [], SPECS.parent)
+
+
 @pytest.mark.parametrize(
     "name", sorted(path.stem for path in FOLDER.rglob("*.yaml") if path.stem != "faults")
 )
@@ -129,7 +136,7 @@ def test_shipped_scenarios_validate_shipped_values(name: str) -> None:
     event = {"overreach": {"v_event": 38.0}}.get(name, {})
     assert (recording.params, recording.tables) == (event, {})
     assert recording.because.keys() == event.keys()
-    spec = load([SPECS / "supervisor"], [], SPECS.parent)
+    spec = rules()
     assert inputs.defaulted(recording, spec, spec.rules) == {}
     assert [one.name for one in overrides.overrides(recording, spec)] == [
         f"supervisor.conduct.{key}" for key in event

@@ -1,0 +1,47 @@
+"""Every day, modules that are the same are compiled once in each process: commands that tests run compile the shipped rules hundreds of
+times, each a tenth of a second.
+
+`make acceptance` compiles them each time.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any
+
+from trackmarshal.semantics.compile import Compiled, _Compiler
+
+#: Fewer modules take less time than it takes to look after them; so many sets of modules are kept.
+FEWEST, MOST = 7, 24
+
+
+def compiled_once(run: Any) -> Any:
+    """`_Compiler.run` that knows what it said of the same trees, read from the same places; what is wrong with files is said each time."""
+    kept: OrderedDict[Any, tuple[Any, Compiled]] = OrderedDict()
+
+    def again(self: _Compiler) -> Compiled:
+        modules = self.library.modules
+        if (
+            len(self.order) < FEWEST
+            or self.found
+            or self.library.failures
+            or self._compiled_before is not None
+        ):
+            return run(self)  # type: ignore[no-any-return]
+        # Trees of the same text are one object while anybody has it, and whoever is kept here has it.
+        trees = [one.tree for one in modules.values()]
+        key = (
+            self.asked, self.order, tuple((one.name, one.path, one.file.path, id(one.tree)) for one in modules.values()),
+        )  # fmt: skip
+        found = kept.get(key)
+        if found is None:
+            made: Compiled = run(self)
+            if made.found:  # hints look at what else there is
+                return made
+            found = kept[key] = (trees, made)
+            if len(kept) > MOST:
+                kept.popitem(last=False)
+        kept.move_to_end(key)
+        return found[1]
+
+    return again
