@@ -107,14 +107,23 @@ class Span:
 
     def word(self, name: str) -> Span:
         """The first place in this span where a word stands; the head of the span when it does not occur."""
-        match = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])").search(
-            self.file.text, self.start, self.end
-        )
-        return self.head if match is None else Span(self.file, *match.span())
+        text, at = self.file.text, self.start - 1
+        while name:
+            at = text.find(name, at + 1, self.end)
+            if at < 0:
+                break
+            end = at + len(name)
+            if not (at > 0 and _in_word(text[at - 1])) and not (end < self.end and _in_word(text[end])):
+                return Span(self.file, at, end)
+        return self.head
 
     @property
     def text(self) -> str:
         return self.file.text[self.start : self.end]
+
+
+def _in_word(char: str) -> bool:
+    return char.isalnum() or char in "_-"
 
 
 #: The span of things that no file holds (built-in names, trees made by programs).

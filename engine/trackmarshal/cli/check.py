@@ -31,6 +31,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from trackmarshal.cli.collecting import seldom
+
+    with seldom():
+        return _checked(args)
+
+
+def _checked(args: argparse.Namespace) -> int:
     from trackmarshal.semantics.compile import compile_paths
 
     project = optional_project(args)

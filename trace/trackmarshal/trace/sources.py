@@ -6,6 +6,7 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,10 +45,14 @@ _OVER_LINES = {
     **dict.fromkeys((".java", ".kt", ".scala", ".swift"), _THREE_QUOTES),
     ".cs": rf'{_THREE_QUOTES}|(?:@\$?|\$@)"(?:""|[^"])*"',
 }
-_CODE = {
-    suffix: re.compile("|".join([*filter(None, [_OVER_LINES.get(suffix)]), _C]), re.DOTALL)
-    for suffix in _SLASHES
-}
+
+
+@cache
+def _code(suffix: str) -> re.Pattern[str]:
+    """Of a language with slashes, strings and comments."""
+    return re.compile("|".join([*filter(None, [_OVER_LINES.get(suffix)]), _C]), re.DOTALL)
+
+
 _SHELL = re.compile(r"(?:^|(?<=\s))#[^\n]*", re.MULTILINE)
 
 
@@ -124,7 +129,7 @@ def _comments(suffix: str, text: str) -> Iterator[tuple[int, int, str]]:
             if token.type == tokenize.COMMENT:
                 yield token.start[0], token.start[1] + 1, token.string
         return
-    for match in (_CODE[suffix] if suffix in _SLASHES else _SHELL).finditer(text):
+    for match in (_code(suffix) if suffix in _SLASHES else _SHELL).finditer(text):
         if "implements" not in match[0] or (suffix in _SLASHES and match.lastgroup is None):
             continue
         line = text.count("\n", 0, match.start()) + 1
