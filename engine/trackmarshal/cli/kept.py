@@ -51,13 +51,18 @@ def kept(
 
 #: What says of an `open` that it writes.
 _WRITES = os.O_WRONLY | os.O_RDWR
+#: How files of programs end, which have a hash of their own.
+_PROGRAM = (".py", ".pyc", ".so")
 #: Who wants to know which files are opened.
 _LISTENING: list[Callable[[str], None]] = []
 
 
 def _listen(event: str, args: tuple[Any, ...]) -> None:
     if _LISTENING and event == "open" and isinstance(args[0], str | bytes) and not args[2] & _WRITES:
-        path = os.path.realpath(os.fsdecode(args[0]))
+        path = os.fsdecode(args[0])
+        if path.endswith(_PROGRAM):  # mostly
+            return
+        path = os.path.realpath(path)
         for tell in _LISTENING:
             tell(path)
 
@@ -85,7 +90,7 @@ def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
 
     def tell(path: str) -> None:
         passed_over = path.startswith(within if path.startswith(inside) else aside)
-        if not passed_over and not path.endswith((".py", ".pyc", ".so")):
+        if not passed_over and not path.endswith(_PROGRAM):
             found.setdefault(path.removeprefix(inside), _about(path))
 
     _hook()

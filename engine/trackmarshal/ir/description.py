@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 from trackmarshal.ir import nodes as ir
+
+#: What was described, as long as the formula is there: specs that differ in a value share most formulas, and each is asked for by several.
+_KNOWN: WeakKeyDictionary[ir.IR, dict[bool, str]] = WeakKeyDictionary()
 
 
 def describe(root: ir.IR, names: bool = True) -> str:
@@ -10,6 +15,13 @@ def describe(root: ir.IR, names: bool = True) -> str:
 
     names: with what its variables are called, which reports name; without, another name says the same.
     """
+    known = _KNOWN.setdefault(root, {})
+    if names not in known:
+        known[names] = _described(root, names)
+    return known[names]
+
+
+def _described(root: ir.IR, names: bool) -> str:
     numbers: dict[ir.IR, int] = {}
     lines: list[str] = []
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -19,21 +20,25 @@ if TYPE_CHECKING:
     from trackmarshal.backends.numpy.program import Run
 
 
-#: Of so many values a case they are all made Python's at once: asking an array for one takes as long as making some dozens of them.
+#: Of so many values a case they are all made Python's at once, where one of as many has been asked for: asking an array for one takes as long
+#: as making some dozens of them.
 LISTED = 32
 
 
 class Reading:
     """A formula's value, by case and by what variables stand for: one entry of arrays of one shape, as Python's numbers."""
 
-    __slots__ = ("_best", "_lengths", "_steps", "_worst")
+    __slots__ = ("_best", "_left", "_lengths", "_sides", "_steps", "_worst")
 
     def __init__(self, value: Value, size: int) -> None:
         sides = [value.worst] if value.best is value.worst else [value.worst, value.best]
         given = [side.margin for side in sides] + [side.sat for side in sides if side.says == NEITHER]
         self._lengths = np.broadcast_shapes(*(array.shape for array in given))
-        bounds = [_bounds(side, self._lengths, size) for side in sides]
-        self._worst, self._best = bounds[0], bounds[1] if len(bounds) > 1 else None
+        self._sides = sides
+        count = math.prod(self._lengths)
+        #: How many entries are asked of the arrays, before all are made Python's.
+        self._left = 1 + count // LISTED if count <= LISTED * size else 0
+        self._worst, self._best = self._of(_asked)
         #: By axis how many values further the next entry is: none where all have the same one.
         self._steps: list[int] = []
         step = 1
@@ -41,7 +46,15 @@ class Reading:
             self._steps.insert(0, 0 if length == 1 else step)
             step *= length
 
+    def _of(self, bounds: Bounds) -> tuple[Callable[[int], Bound], Callable[[int], Bound] | None]:
+        made = [bounds(side, self._lengths) for side in self._sides]
+        return made[0], made[1] if len(made) > 1 else None
+
     def at(self, index: int, env: Mapping[int, int]) -> Truth:
+        if self._left:
+            self._left -= 1
+            if not self._left:
+                self._worst, self._best = self._of(_listed)
         steps, place = self._steps, 0
         if steps:
             place = index * steps[0]
@@ -54,14 +67,22 @@ class Reading:
         return Truth(worst, worst if self._best is None else self._best(place))
 
 
-def _bounds(side: Side, shape: tuple[int, ...], size: int) -> Callable[[int], Bound]:
-    """What gives a side by the place of an entry."""
-    margins = np.broadcast_to(side.margin, shape)
-    few = margins.size <= LISTED * size
-    margin_at: Callable[[int], float] = margins.ravel().tolist().__getitem__ if few else margins.item
-    if few or side.says == NEITHER:
-        sats = np.broadcast_to(side.sat, shape)
-        sat_at: Callable[[int], bool] = sats.ravel().tolist().__getitem__ if few else sats.item
+#: What gives a side by the place of an entry in arrays of a shape.
+Bounds = Callable[[Side, tuple[int, ...]], Callable[[int], Bound]]
+
+
+def _listed(side: Side, shape: tuple[int, ...]) -> Callable[[int], Bound]:
+    """Of entries that are all made Python's."""
+    margin_at = np.broadcast_to(side.margin, shape).ravel().tolist().__getitem__
+    sat_at = np.broadcast_to(side.sat, shape).ravel().tolist().__getitem__
+    return lambda place: Bound(sat_at(place), margin_at(place))
+
+
+def _asked(side: Side, shape: tuple[int, ...]) -> Callable[[int], Bound]:
+    """Of entries that are each asked of an array."""
+    margin_at: Callable[[int], float] = np.broadcast_to(side.margin, shape).item
+    if side.says == NEITHER:
+        sat_at: Callable[[int], bool] = np.broadcast_to(side.sat, shape).item
         return lambda place: Bound(sat_at(place), margin_at(place))
     at_zero = bool(side.says & AT_LEAST)
 
