@@ -8,7 +8,7 @@ import json
 import os
 from collections.abc import Callable, Sequence
 from functools import cache as once
-from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -49,14 +49,21 @@ def drawing() -> str:
     """One hash of all that draws pages: the sources and templates of the reports, and what fills in these."""
     import trackmarshal.trace
 
-    here = Path(trackmarshal.trace.__file__).parent
-    digest = hashlib.sha256(" ".join(version(name) for name in ("jinja2", "markupsafe")).encode())
-    files = (os.path.join(folder, name) for folder, _, names in os.walk(here) for name in names)
-    for file in sorted(files):
-        if not file.endswith(".pyc"):
-            held = hashlib.sha256(Path(file).read_bytes()).digest()
-            digest.update(os.path.relpath(file, here).encode() + b"\0" + held)
+    digest = hashlib.sha256()
+    for here in (Path(trackmarshal.trace.__file__).parent, *map(_package, ("jinja2", "markupsafe"))):
+        files = (os.path.join(folder, name) for folder, _, names in os.walk(here) for name in names)
+        for file in sorted(files):
+            if not file.endswith(".pyc"):
+                held = hashlib.sha256(Path(file).read_bytes()).digest()
+                digest.update(os.path.relpath(file, here).encode() + b"\0" + held)
     return digest.hexdigest()
 
 
 __all__ = ["Drawn", "drawing"]
+
+
+def _package(name: str) -> Path:
+    """Where the sources of another package are, without importing it."""
+    found = find_spec(name)
+    assert found is not None and found.origin is not None, f"{name} is needed to draw pages"
+    return Path(found.origin).parent

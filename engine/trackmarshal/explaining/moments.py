@@ -90,6 +90,10 @@ def _evenly(numbers: Sequence[int], most: int) -> list[int]:
     return [numbers[i * len(numbers) // most] for i in range(most)]
 
 
+#: Numbers that are as quickly read again as looked up.
+_READ_AT_ONCE = (ir.Column, ir.Const, ir.Param, ir.Sample, ir.Scalar)
+
+
 class _Once(Reference):
     """Numbers of one case, each computed once: what definitions share, and rules."""
 
@@ -98,6 +102,8 @@ class _Once(Reference):
         self._known: dict[tuple[ir.Num, tuple[tuple[int, int], ...]], float] = {}
 
     def number(self, node: ir.Num, env: dict[int, int]) -> float:
+        if isinstance(node, _READ_AT_ONCE):
+            return super().number(node, env)
         key = node, tuple(env.items())
         value = self._known.get(key)
         if value is None:

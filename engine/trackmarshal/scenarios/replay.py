@@ -222,7 +222,7 @@ def _results(
     """The results of every cycle's candidates."""
     for _, judged, _ in supervised(recording, evaluator, tables):
         yield {
-            name: evaluator.result(judged.about, rated, candidate=name)
+            name: evaluator.result(judged.about, rated, candidate=name, brief=True)
             for name, rated in judged.rated.items()
         }
 

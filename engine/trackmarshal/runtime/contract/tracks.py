@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Set
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec, track_of
@@ -20,15 +21,31 @@ def places_of(spec: Spec, rules: Iterable[RuleInfo]) -> Places:
     found: dict[str, str] = {}
     for rule in rules:
         for formula in (rule.formula, rule.active):
-            for node in ir.below(formula) if formula is not None else ():
-                if isinstance(node, ir.StretchRoom) and (track := track_of(node.name.rpartition(".")[0])):
-                    found[node.name] = track
-                place = isinstance(node, ir.Area) and node.kind == "zone"
-                if place or (isinstance(node, ir.Line) and node.kind == "place"):
-                    name = node.name  # type: ignore[union-attr]
-                    if spec.places[name].track:
-                        found[name] = spec.places[name].track
+            for node in _placed(formula) if formula is not None else ():
+                if isinstance(node, ir.StretchRoom):
+                    if track := track_of(node.name.rpartition(".")[0]):
+                        found[node.name] = track
+                elif spec.places[node.name].track:
+                    found[node.name] = spec.places[node.name].track
     return tuple(sorted(found.items()))
+
+
+#: What `_placed` found, as long as a formula is there: each door of a spec asks.
+_PLACED: WeakKeyDictionary[ir.Formula, tuple[ir.StretchRoom | ir.Area | ir.Line, ...]] = WeakKeyDictionary()
+
+
+def _placed(formula: ir.Formula) -> tuple[ir.StretchRoom | ir.Area | ir.Line, ...]:
+    """What is in a formula that stands at one place."""
+    found = _PLACED.get(formula)
+    if found is None:
+        found = _PLACED[formula] = tuple(
+            node
+            for node in ir.below(formula)
+            if isinstance(node, ir.StretchRoom)
+            or (isinstance(node, ir.Area) and node.kind == "zone")
+            or (isinstance(node, ir.Line) and node.kind == "place")
+        )
+    return found
 
 
 def corridors_of(spec: Spec) -> tuple[str, ...]:

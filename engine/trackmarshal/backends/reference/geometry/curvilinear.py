@@ -23,6 +23,8 @@ from trackmarshal.points import (
 
 Points = Sequence[Sequence[float]]
 NOWHERE = (math.nan, math.nan, math.nan)
+#: Of so many points it is known at once where they are along a line.
+KNOWN = 10_000
 
 
 class Line:
@@ -31,6 +33,8 @@ class Line:
     def __init__(self, points: Points, closed: bool = False) -> None:
         self.points = points
         self.closed = closed
+        #: Where points are along it that were asked about: station, offset and direction of one are three questions, and the next cycle has many again.
+        self.known: dict[tuple[float, float], tuple[float, float, float]] = {}
 
     @cached_property
     def fault(self) -> str | None:
@@ -88,6 +92,17 @@ def project(x: float, y: float, points: Points | Line, closed: bool = False) -> 
     go on as rays, so the station runs on below 0 and above the length. On a closed line it is in [0, length).
     """
     line = _line(points, closed)
+    if not (x and y):  # zeros that are equal may differ by their signs
+        return _project(x, y, line)
+    found = line.known.get((x, y))
+    if found is None:
+        if len(line.known) == KNOWN:
+            line.known.clear()
+        found = line.known[x, y] = _project(x, y, line)
+    return found
+
+
+def _project(x: float, y: float, line: Line) -> tuple[float, float, float]:
     if line.fault or not usable(x, y):
         return NOWHERE
     closed, segments = line.closed, line.segments
