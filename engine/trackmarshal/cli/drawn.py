@@ -65,5 +65,6 @@ __all__ = ["Drawn", "drawing"]
 def _package(name: str) -> Path:
     """Where the sources of another package are, without importing it."""
     found = find_spec(name)
-    assert found is not None and found.origin is not None, f"{name} is needed to draw pages"
+    assert found is not None, f"{name} is needed to draw pages"
+    assert found.origin is not None, f"{name} is no package"
     return Path(found.origin).parent
