@@ -68,6 +68,8 @@ class Matrix:
     content: baselines.Content = field(
         default_factory=dict
     )  #: what a baseline would hold that is accepted now
+    #: By the identity of a cause what follows from it, once that was asked.
+    _following: dict[int, list[Finding]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def passes(self) -> bool:
@@ -104,7 +106,12 @@ class Matrix:
 
     def following(self, finding: Finding) -> tuple[Finding, ...]:
         """What follows from a finding, in order."""
-        return tuple(other for other in self.findings if self.causes.get(other) is finding)
+        if self.causes and not self._following:
+            for other in self.findings:
+                cause = self.causes.get(other)
+                if cause is not None:
+                    self._following.setdefault(id(cause), []).append(other)
+        return tuple(self._following.get(id(finding), ()))
 
     @property
     def unusable(self) -> bool:
