@@ -10,7 +10,7 @@ at the default place stands on it as a whole. BUILDERS describes all of them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
@@ -241,6 +241,23 @@ BUILDERS: dict[str, Builder] = {
         *(_describe("corridor", f) for f in (straight_track, arc_track, ring_track)),
     )
 }
+
+
+#: What was built, by builder and arguments; no more than this is kept.
+_BUILT: dict[tuple[str, str], dict[str, Any]] = {}
+_MOST_BUILT = 512
+
+
+def built(builder: Builder, arguments: Mapping[str, float]) -> dict[str, Any]:
+    """What a builder makes of arguments, once of the same ones: most tests of a rule stand on the same track. Its lists are the caller's own, and
+    nobody changes the points in them. Raises what the builder does."""
+    key = builder.name, repr(sorted(arguments.items()))
+    made = _BUILT.get(key)
+    if made is None:
+        if len(_BUILT) == _MOST_BUILT:
+            _BUILT.clear()
+        made = _BUILT[key] = builder.build(**arguments)
+    return {name: list(part) if isinstance(part, list) else part for name, part in made.items()}
 
 
 class _Curve(NamedTuple):

@@ -25,7 +25,7 @@ from trackmarshal.semantics.expressions import Context
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.testing.builders import BUILDERS, Builder
+from trackmarshal.testing.builders import BUILDERS, Builder, built
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
 from trackmarshal.testing.si import table_in_si
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
@@ -365,7 +365,7 @@ class _Preparation:
             self.fail(call.span.word(call.function), f"`{call.function}` builds no {kind}", hint)
         arguments = self._arguments(call, builder)
         try:
-            return builder.build(**arguments)
+            return built(builder, arguments)
         except TrackmarshalError as error:
             self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
