@@ -82,7 +82,11 @@ def test_inside_the_ground_truth(path: Path) -> None:
         ("overreach.tmrec.jsonl.gz", ("speed_limit",), (1.0, 1.5)),
         ("overreach.tmrec.jsonl.gz", ("drive_acceleration",), (3.0, 3.5)),
         ("overreach.tmrec.jsonl.gz", ("friction", "speed_integrity", "path_integrity"), (11.0, 11.5)),
-        ("overreach.tmrec.jsonl.gz", ("friction", "braking_limit", "speed_integrity", "path_integrity"), (5.0, 11.5)),
+        (
+            "overreach.tmrec.jsonl.gz",
+            ("friction", "braking_limit", "speed_integrity", "path_integrity"),
+            (5.0, 11.5),
+        ),
         ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
         ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
         ("late_brakes.tmrec.jsonl.gz", ("takeup_friction",), (0.9, 1.3)),

@@ -114,4 +114,6 @@ def test_it_is_driven_only_as_planned(change: Callable[[Cycle], None], safe: boo
     change(given)
     decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
     assert (decision.safe, decision.faults) == (safe, ())
-    assert safe or {"pace_integrity", "speed_integrity", "path_integrity", "heading_integrity"} & {one.rule for one in decision.violations}
+    assert safe or {"pace_integrity", "speed_integrity", "path_integrity", "heading_integrity"} & {
+        one.rule for one in decision.violations
+    }

@@ -35,7 +35,8 @@ def disagreements(columns: Columns) -> dict[str, bool]:
     lasts = way / np.where(drives, pace, 1.0)
     disagree = {
         "arc length": counts & (np.abs(np.diff(s) - length) > 0.1 * length),
-        "heading": counts & (np.abs(curve.turned(bearing - psi[:-1] - curve.turned(np.diff(psi)) / 2.0)) > 0.1),
+        "heading": counts
+        & (np.abs(curve.turned(bearing - psi[:-1] - curve.turned(np.diff(psi)) / 2.0)) > 0.1),
         "curvature": counts & (np.abs(turn - (kappa[:-1] + kappa[1:]) / 2.0) > 0.05),
         "acceleration": inner & ((needed < least - 0.2) | (needed > most + 0.2)),
         "time": drives & (np.abs(np.diff(t) - lasts) > 0.05 * lasts + 0.005),
