@@ -50,17 +50,13 @@ int main(int count, char **words) {
     tm_straight(&shape, 0.0, 0.0, chord + a0, x1, y1, chord + a1, &straight);
     tm_curve curve = straight;
     tm_curve_of(kappa0, kappa1, length, width, &curve);
-    tm_posed p = {0};
-    tm_posed q = {0};
-    q.u = (cos(along) * x1) + (sin(along) * y1);
-    q.v = (cos(along) * y1) - (sin(along) * x1);
-    p.turn = (chord + a0) - along;
-    q.turn = (chord + a1) - along;
-    p.cosine = tm_about_cosine(p.turn);
-    p.sine = tm_about_sine(p.turn);
-    q.cosine = tm_about_cosine(q.turn);
-    q.sine = tm_about_sine(q.turn);
-    const double reach = tm_curve_reach(q.u, q.v, &p, &q, kappa0, kappa1, 0.5 * sqrt((length * length) + (width * width)));
+    const float du = (float)((cos(along) * x1) + (sin(along) * y1));
+    const float dv = (float)((cos(along) * y1) - (sin(along) * x1));
+    const float turn0 = (float)((chord + a0) - along);
+    const float turn1 = (float)((chord + a1) - along);
+    const float corner = (float)(0.5 * sqrt((length * length) + (width * width)));
+    const double reach = (double)tm_curve_reach(du, dv, (float)way, tm_about_cosine(turn0), tm_about_sine(turn0), tm_about_cosine(turn1),
+                                                tm_about_sine(turn1), (float)(kappa0 * way), (float)(kappa1 * way), corner);
     for (int m = 0; (m < 4) && (reach < TM_INF); ++m) {
       const double ahead = between(-length, way + length);
       const double aside = sized((0.5 * width) + 0.1, width + 3.0);

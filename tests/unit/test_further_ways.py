@@ -167,14 +167,8 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (
         made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("heading_integrity", "driving")}),
-    "standing behind a car that drives towards a barrier": (
-        made(standing(-2.5), standing(-2.5), {"v": 8.0}, obstacles=[thing(2.7)]), {("overrun_obstacle", "emergency")}),
-    "and towards the end of the road": (
-        made(standing(-2.5), standing(-2.5), {"v": 8.0}, track=wide(end=3.0)), {("overrun_road", "emergency")}),
     "a fallback that drives on at 40 m/s for 20 s": (
         made(steady(40.0), after(20.0, 40.0, 0.0, 8.0, 110)), {("fallback_brakes", "emergency"), ("step_length", "emergency")}),
-    "a fallback that gets faster first": (
-        made(steady(), after(1.5, SPEED, 5.0, 12.0)), {("fallback_slows", "emergency")}),
     "over in 10 ms, in motion": (
         made(steady(samples=2, step=0.01), braking()), {("outlasts_cycle", "driving")}),
     "60 m in one step": (
@@ -193,12 +187,6 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         {("cut_in", "driving"), ("cut_in", "emergency")}),
     "back at 8 m/s": (
         made(standing(2.5), standing(2.5), {"v": -8.0}), {("no_rolling", "driving"), ("no_rolling", "emergency")}),
-    "in a barrier beside the trajectory": (
-        made(steady(), braking(), {"y": 0.95}, obstacles=[thing(1.0, 1.8, 4.0, 0.6)]),
-        {("obstacle_contact", "driving"), ("obstacle_contact", "emergency")}),
-    "off the road beside the trajectory": (
-        made(steady(), braking(), {"y": 0.95}, track=wide(half=1.5)),
-        {("road_contact", "driving"), ("road_contact", "emergency")}),
 }  # fmt: skip
 
 
@@ -216,17 +204,10 @@ FINE: dict[str, Cycle] = {
     ),
     "8 deg aside at 20 m/s": made(steady(), braking(), {"heading": 0.14}),
     "standing where the car stands": made(standing(), standing(), {"v": 0.0}, obstacles=[thing(2.7)]),
-    "standing behind a car that has crept on": made(
-        standing(-2.5), standing(-2.5), {"v": 1.0}, obstacles=[thing(9.0)]
-    ),
-    "at rest, as far as floats can say": made(
-        standing(), standing() | {"v": np.array([0.0, -1e-15])}, {"v": 0.0}
-    ),
     "turning in with room": made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 6.0, 60.0)]),
     "over in front of a slower car": made(
         steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 20.0)]
     ),
-    "beside a barrier": made(steady(), braking(), {"y": 0.95}, obstacles=[thing(1.0, 3.0, 4.0, 0.6)]),
 }
 
 
