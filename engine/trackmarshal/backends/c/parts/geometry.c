@@ -928,11 +928,11 @@ static void tm_stretch_of(tm_stretch *stretch, const double *x, const double *y,
       stretch->most_v[k] = (float)(v + across);
     }
   }
-  float u0 = stretch->least_u[0];
-  float u1 = stretch->most_u[0];
-  float v0 = stretch->least_v[0];
-  float v1 = stretch->most_v[0];
-  for (size_t k = 1u; k < count; ++k) {
+  float u0 = INFINITY;
+  float u1 = -INFINITY;
+  float v0 = INFINITY;
+  float v1 = -INFINITY;
+  for (size_t k = 0u; k < count; ++k) {
     u0 = (stretch->least_u[k] < u0) ? stretch->least_u[k] : u0;
     u1 = (stretch->most_u[k] > u1) ? stretch->most_u[k] : u1;
     v0 = (stretch->least_v[k] < v0) ? stretch->least_v[k] : v0;
