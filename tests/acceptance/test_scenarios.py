@@ -75,8 +75,16 @@ def test_inside_the_ground_truth(path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "without", "times"),
     [
-        ("cut_in.tmrec.jsonl", ("safe_gap", "safe_side", "rss_eq1", "safe_fallback", "planned_side"), (11.6, 12.1)),
-        ("wrong_way.tmrec.jsonl.gz", ("safe_gap_oncoming", "safe_side", "safe_fallback", "planned_side"), (6.3, 7.1)),
+        (
+            "cut_in.tmrec.jsonl",
+            ("safe_gap", "safe_side", "rss_eq1", "safe_fallback", "planned_side"),
+            (11.6, 12.1),
+        ),
+        (
+            "wrong_way.tmrec.jsonl.gz",
+            ("safe_gap_oncoming", "safe_side", "safe_fallback", "planned_side"),
+            (6.3, 7.1),
+        ),
         ("debris.tmrec.jsonl.gz", ("obstacle_collision",), (4.7, 5.4)),
         ("pit_entry.tmrec.jsonl.gz", ("zone_speed_limit",), (0.8, 10.0)),
         ("overreach.tmrec.jsonl.gz", ("speed_limit",), (1.0, 1.5)),

@@ -11,7 +11,7 @@ from trackmarshal.backends.c.source import Source
 from trackmarshal.ir import nodes as ir
 
 #: Functions of libm that every C library computes to the same last bit, as IEEE 754 defines them.
-EXACT = frozenset(("fabs", "sqrt", "floor", "ceil", "remainder"))
+EXACT = frozenset(("fabs", "fabsf", "sqrt", "floor", "ceil", "remainder"))
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^(?:static (?:inline )?)?[a-z_]\w* \*?(tm_\w+)\([^;{]*?\)\s*\{", re.MULTILINE)
 _CALLED = re.compile(r"\b([a-z]\w*)\(")

@@ -26,7 +26,7 @@ from trackmarshal.runtime.decision import MOST_REASONS
 
 #: What rules call, and what our own functions call besides.
 LIBM = (
-    *dict.fromkeys(("fabs", *chain.from_iterable(called(name)[1] for name in FUNCTIONS))),
+    *dict.fromkeys(("fabs", "fabsf", *chain.from_iterable(called(name)[1] for name in FUNCTIONS))),
     "hypot",
     "remainder",
 )
