@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from pathlib import Path
 
@@ -130,6 +131,32 @@ def test_a_fallback_through_another_car_is_found_by_one_rule_alone() -> None:
         bodies = [body(*pose, length, width) for pose in zip(plan["x"], plan["y"], plan["heading"])]
         over += [cycle.t] * any(one.intersection(there).area > 0.01 for one in bodies)
     assert over == times
+
+
+def test_who_closes_the_door_is_found_by_one_rule_alone() -> None:
+    """Worked out in small steps: whoever is behind brakes after its response as hard as it can, and is in the car ahead, which brakes, too."""
+    path = FOLDER / "closing_door.tmrec.jsonl.gz"
+    fired = unsafe(run(path))
+    assert {rule for _, rule in fired} == {"cut_in"}
+    assert sorted({t for t, _ in fired}) == pytest.approx([4.2, 4.3, 4.4])
+    assert unsafe(run(path, ("cut_in",))) == []
+    recording, _ = shipped(path)
+    for cycle in recording.cycles:
+        (other,), ego = cycle.objects, cycle.ego
+        ahead = math.hypot(ego["x"] - other["x"], ego["y"] - other["y"]) - 4.7
+        step, least = 0.001, ahead
+        front, rear = ego["v"], other["v"]
+        for k in range(6000):
+            ahead += (front - rear) * step
+            front, rear = (
+                max(0.0, front - 13.0 * step),
+                max(0.0, rear - (13.0 * step if k * step >= 0.2 else 0.0)),
+            )
+            least = min(least, ahead)
+        if 4.2 <= round(cycle.t, 1) <= 4.4:
+            assert least < -20.0
+        if cycle.t < 1.0:
+            assert least > 0.0
 
 
 def unsafe(replayed: Replay) -> list[tuple[float, str]]:
