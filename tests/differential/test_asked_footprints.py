@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from trackmarshal.backends.numpy import places
+from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.reference.evaluator import Reference
@@ -127,3 +128,11 @@ def test_whoever_asks_for_what_was_left_out_gets_it(asked: int, monkeypatch: pyt
                     assert side.margin == pytest.approx(other.margin, abs=1e-12, rel=1e-12)
                 told += 1
     assert told > 100
+
+
+def test_rules_that_ask_of_the_same_footprints_each_leave_out_their_own() -> None:
+    """Two shipped rules hold the same bodies against the same vehicles, of which each asks of some: with one variable for both, all were worked out."""
+    spec = load([SPECS])
+    rules = [spec.rule(name) for name in ("driving_collision", "fallback_collision")]
+    formulas = [rule.formula for rule in rules if rule is not None and rule.formula is not None]
+    assert len(Code(formulas, [])._asked_of) == 2

@@ -15,7 +15,10 @@ _NAMED = (ir.Param, ir.Func)
 
 
 def representatives(nodes: Iterable[ir.Num | ir.Formula]) -> dict[ir.Num | ir.Formula, ir.Num | ir.Formula]:
-    """For each of some nodes, given children first, the first one that is computed alike."""
+    """For each of some nodes, given children first, the first one that is computed alike.
+
+    What a body sweeps beside others is nobody's but its own: each rule asks for it under guards of its own, which leave most of it out.
+    """
     same: dict[ir.Num | ir.Formula, ir.Num | ir.Formula] = {}
     known: dict[Hashable, ir.Num | ir.Formula] = {}
     for node in nodes:
@@ -24,7 +27,8 @@ def representatives(nodes: Iterable[ir.Num | ir.Formula]) -> dict[ir.Num | ir.Fo
             for field in node.compared
             if field not in _SHOWN or isinstance(node, _NAMED)
         ]
-        same[node] = known.setdefault((type(node), *parts), node)
+        alone = isinstance(node, ir.SweptClear)
+        same[node] = node if alone else known.setdefault((type(node), *parts), node)
     return same
 
 
