@@ -1,5 +1,5 @@
 """Rules over the run on a million cycles at once: the whole rule, and what its operator takes beyond a rule that only says its formulas of each
-cycle. That one has more to say (each cycle is a verdict's own evidence), so the difference can be below nothing. CPU seconds."""
+cycle. CPU seconds."""
 
 from __future__ import annotations
 
