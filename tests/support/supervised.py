@@ -7,9 +7,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+import trackmarshal as tm
+from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import load
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Memory, Rated, advisory
@@ -19,9 +23,23 @@ from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 ROOT = Path(__file__).resolve().parents[2]
 
 
+#: Whatever the shipped rules say, each evaluator says.
+BACKENDS = pytest.mark.parametrize(
+    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
+)  # fmt: skip
+
+
 @cache
 def shipped() -> Spec:
     return load([ROOT / "specs" / "supervisor"])
+
+
+def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
+    """Which shipped rules are against which candidate of a cycle that a Supervisor gets first, and in which nothing else is wrong."""
+    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
+    assert decision.faults == ()
+    assert decision.safe == (not decision.violations)
+    return {(one.rule, one.candidate) for one in decision.violations}
 
 
 class Clock:

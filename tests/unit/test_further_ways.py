@@ -11,15 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-import trackmarshal as tm
 from support.cycles import SPEED, cycle
-from support.supervised import shipped
-from trackmarshal.backends.c.build import compiler
+from support.supervised import BACKENDS, against
 from trackmarshal.runtime.cycle import Cycle
-
-BACKENDS = pytest.mark.parametrize(
-    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
-)  # fmt: skip
 
 Columns = dict[str, Any]
 LENGTH, WIDTH = 4.7, 2.8
@@ -148,13 +142,6 @@ def made(
     given.signals["obstacles"] = [{"id": f"c{i}"} | one for i, one in enumerate(obstacles)]
     given.signals["track"] = track or wide()
     return given
-
-
-def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
-    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
-    assert decision.faults == ()
-    assert decision.safe == (not decision.violations)
-    return {(one.rule, one.candidate) for one in decision.violations}
 
 
 #: What is done, and by which rules of which candidates it is found.

@@ -5,15 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import trackmarshal as tm
 from support.cycles import SPEED, cycle, plan
-from support.supervised import shipped
-from trackmarshal.backends.c.build import compiler
+from support.supervised import BACKENDS, against
 from trackmarshal.runtime.cycle import Cycle
-
-BACKENDS = pytest.mark.parametrize(
-    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
-)  # fmt: skip
 
 
 def among(x: float, v: float) -> Cycle:
@@ -21,13 +15,6 @@ def among(x: float, v: float) -> Cycle:
     given = cycle(0, objects=1)
     given.signals["objects"].update(x=np.array([x]), y=np.array([0.0]), v=np.array([v]))
     return given
-
-
-def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
-    decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
-    assert decision.faults == ()
-    assert decision.safe == (not decision.violations)
-    return {(one.rule, one.candidate) for one in decision.violations}
 
 
 @BACKENDS
