@@ -115,6 +115,12 @@ def wet(columns: Columns, grip: float) -> Columns:
     return columns | {"grip": np.full(len(columns["t"]), grip)}
 
 
+def wet_first(columns: Columns, grip: float) -> Columns:
+    wet_there = np.ones(len(columns["t"]))
+    wet_there[0] = grip
+    return columns | {"grip": wet_there}
+
+
 def car(x: float, y: float = 0.0, v: float = 0.0, width: float = 2.0) -> dict[str, float]:
     return {"x": x, "y": y, "heading": 0.0, "v": v, "length": LENGTH, "width": width}
 
@@ -156,6 +162,8 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("heading_integrity", "driving")}),
     "a fallback that drives on at 40 m/s for 20 s": (
         made(steady(40.0), after(20.0, 40.0, 0.0, 8.0, 110)), {("fallback_brakes", "emergency"), ("step_length", "emergency")}),
+    "a fallback that drives on where only its first sample is wet": (
+        made(steady(40.0), wet_first(after(10.0, 40.0, 0.0, 8.0, 120), 0.12)), {("fallback_brakes", "emergency")}),
     "over in 10 ms, in motion": (
         made(steady(samples=2, step=0.01), braking()), {("outlasts_cycle", "driving")}),
     "60 m in one step": (
