@@ -59,6 +59,19 @@ def pytest_make_collect_report(
     return report
 
 
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_makereport(
+    item: pytest.Item,
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A test that was expected to fail, and passed, says so in a property: `--junitxml` does not tell it from any other."""
+    report = yield
+    if report.passed and hasattr(report, "wasxfail"):
+        from trackmarshal.junit.reading import OUTCOME
+
+        item.user_properties.append((OUTCOME, "skipped"))
+    return report
+
+
 def _verified(item: pytest.Item) -> tuple[list[str], list[str]]:
     """The ids that a test names, nearest first, and what is wrong with them."""
     ids: dict[str, None] = {}
@@ -202,6 +215,10 @@ class _Results:
 def _outcome(report: pytest.TestReport) -> tuple[str, str]:
     """What a phase of a test came to, in the words of records, and why."""
     match report.outcome:
+        case "passed" if hasattr(
+            report, "wasxfail"
+        ):  # it shows nothing: who wrote it says that it cannot pass
+            return "skipped", f"it was expected to fail, and passed: {report.wasxfail}"[:1_000]
         case "passed":
             return "passed", ""
         case "skipped":

@@ -39,6 +39,10 @@ class TestDoor:
     def test_rusts(self):
         assert False
 
+    @pytest.mark.xfail(reason="known")
+    def test_recovers(self):
+        pass
+
 
 @pytest.fixture
 def broken():
@@ -66,6 +70,7 @@ OUTCOMES = {
     "TestDoor::test_shuts[2]": "failed",
     "TestDoor::test_locks": "skipped",
     "TestDoor::test_rusts": "skipped",
+    "TestDoor::test_recovers": "skipped",
 }
 
 

@@ -13,6 +13,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trackmarshal.cli.git import asking
+
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding
     from trackmarshal.trace.baseline import Acceptance, Change
@@ -227,7 +229,7 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
 
     asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
     done = subprocess.run(
-        ["git", "-C", str(root), "cat-file", "--batch", "--follow-symlinks"], input=asked.encode(), capture_output=True, check=True, timeout=60
+        asking(root, "cat-file", "--batch", "--follow-symlinks"), input=asked.encode(), capture_output=True, check=True, timeout=60
     )  # fmt: skip
     known: dict[bytes, str] = {}
     found: dict[str, str] = {}
@@ -267,7 +269,7 @@ def _is_none(data: bytes) -> bool:
 
 def _version(root: Path, commit: str, baseline: str) -> bytes:
     done = subprocess.run(
-        ["git", "-C", str(root), "show", f"{commit}:./{baseline}"],
+        asking(root, "show", f"{commit}:./{baseline}"),
         capture_output=True,
         check=False,
         timeout=60,
@@ -276,9 +278,7 @@ def _version(root: Path, commit: str, baseline: str) -> bytes:
 
 
 def _git(root: Path, *words: str) -> str:
-    done = subprocess.run(
-        ["git", "-C", str(root), *words], capture_output=True, text=True, check=True, timeout=60
-    )
+    done = subprocess.run(asking(root, *words), capture_output=True, text=True, check=True, timeout=60)
     return done.stdout
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.cli.evidence import now
+from trackmarshal.cli.git import asking
 from trackmarshal.store import Entry, Store
 
 #: What results of earlier versions do not say.
@@ -96,8 +97,9 @@ def commit(root: Path) -> str:
 
 
 def _git(root: Path, *words: str) -> str:
-    said = ["git", "-C", str(root), *words]
-    return subprocess.run(said, capture_output=True, text=True, check=True, timeout=20).stdout.strip()
+    return subprocess.run(
+        asking(root, *words), capture_output=True, text=True, check=True, timeout=20
+    ).stdout.strip()
 
 
 def _platform() -> str:

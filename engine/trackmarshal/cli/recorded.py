@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 import subprocess
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
 
+from trackmarshal.cli.git import asking
 from trackmarshal.trace.case.inputs import Recorded
 
 #: What git calls the commit of lines that are in none yet.
@@ -99,9 +100,8 @@ def _day(seconds: int, zone: str) -> str:
 
 def _git(root: Path, *arguments: str) -> str:
     """What git says of what is recorded, and of nothing that stands in its place here; "" where it is not there or refuses."""
-    command: Iterable[str] = ["git", "--no-replace-objects", "-C", str(root), *arguments]
     try:
-        done = subprocess.run(list(command), capture_output=True, check=False)
+        done = subprocess.run(asking(root, *arguments), capture_output=True, check=False)
     except OSError:
         return ""
     return done.stdout.decode("utf-8", "replace") if done.returncode == 0 else ""

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import IO
 
+from trackmarshal.cli.git import asking
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -107,17 +108,8 @@ def _read(
     wanted: Callable[[tarfile.TarInfo], bool],
 ) -> Path:
     folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
-    command = [
-        "git",
-        "--literal-pathspecs",
-        "-C",
-        str(project),
-        "archive",
-        "--format=tar",
-        commit,
-        "--",
-        *paths,
-    ]
+    literal = [f":(literal){path}" for path in paths]
+    command = asking(project, "archive", "--format=tar", commit, "--", *literal)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None
@@ -155,7 +147,7 @@ def _bytes(project: Path, *arguments: str, name: str) -> bytes:
             help="install git, or name a path",
         )
     done = subprocess.run(
-        ["git", "-C", str(project), *arguments],
+        asking(project, *arguments),
         capture_output=True,
         check=False,
         env={**os.environ, "LC_ALL": "C"},

@@ -25,6 +25,9 @@ MAX_DEPTH = 60
 MAX_NAME = 4_000
 #: The property, or attribute, by which a test or a suite names requirements.
 VERIFIES = "verifies"
+#: The property by which a test says what it came to where a report has no element for that: pytest writes of one that was expected to fail, and passed,
+#: as of any other that passed.
+OUTCOME = "trackmarshal-outcome"
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
@@ -152,6 +155,8 @@ class _Reader:
             called, value = self._property
             if called == VERIFIES:
                 self._here().extend(ids_in(value or self._text))
+            elif called == OUTCOME and self._case is not None:
+                self._case.status(OUTCOME, value)
             self._property = None
         elif name in _SAYS and self._case is not None:
             self._case.explain(self._text)

@@ -79,11 +79,12 @@ class Case:
         self.failing = 0  #: how many failures and errors it names: some runners list several
         self.skipped = False  #: whether anything says so, whatever else came of it
         for name in ("status", "result"):
-            self._status(name, attributes.get(name, ""))
+            self.status(name, attributes.get(name, ""))
         for name in _FLAGS.keys() & attributes.keys():
             self._flag(name, attributes[name])
 
-    def _status(self, name: str, word: str) -> None:
+    def status(self, name: str, word: str) -> None:
+        """What it came to, by a word for that."""
         status = word.strip().lower()
         if status in _NOT_RUN:
             self.skipped = True

@@ -10,6 +10,17 @@ R, M, V, H, D, A = (
 )
 MORE = "requirements/more.yaml"
 _FAST = "It is faster than the avenue is laid out for., leads_to: [S-1]}"
+#: A subsystem that meets nothing.
+_APART = all_of(
+    swap(
+        M, "interfaces:\n", "  - {id: LA, title: lake, role: environment, description: Water.}\ninterfaces:\n"
+    ),
+    add(
+        M,
+        "infeasible:\n"
+        + "".join(f"  - {{between: {one}-LA, reason: They are far apart.}}\n" for one in ("SH", "TP", "RO")),
+    ),
+)
 #: An interface with one issue, and with two that lead to the same requirement.
 SLIDES = (_FAST, f"{_FAST}\n      - {{id: SH-RO.2, text: It slides in the rain., leads_to: [S-1]}}")
 
@@ -121,6 +132,10 @@ FAULTS = [
     Fault("a goal that no requirement serves", add(H, "  - {id: SG-2, title: Doors, statement: The doors shall not close on anybody., prevents: [HZ-1], asil: C, safe_state: open doors, tolerance: 1 s}\n"), "T150", "SG-2"),
     Fault("an interface that is not analysed", swap(M, "    issues:\n      - {id: SH-RO.1, text: It is faster than the avenue is laid out for., leads_to: [S-1]}\n", "    rationale: Nothing happens there.\n"), "T133", "SH-RO"),
     Fault("an interface taken away", cut(M, "  - id: TP-RO\n", ""), "T224", "TP-RO"),
+    Fault("what passes over an interface struck", swap(M, "    flows: [{kind: physical, initiator: SH, what: tyre forces}]\n", ""), "T224", "SH-RO"),
+    Fault("what passes over an interface said otherwise", swap(M, "what: tyre forces", "what: nothing much"), "T224", "SH-RO"),
+    Fault("another reason why an interface is not analysed", swap(M, "The shuttle takes no part.", "x"), "T224", "TP-RO"),
+    Fault("another reason why two never meet", all_of(agreed(_APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
     # 16 and 15: reviews
     Fault("a review by the owner", swap(A, "by: [P-4]", "by: [P-1]"), "T166", "RV-1"),

@@ -238,6 +238,8 @@ FAULTS = [
     Fault("evidence that is empty", put("docs/planner.md", b""), "T250", "docs/planner.md"),
     Fault("evidence that is empty, accepted", agreed(put("docs/planner.md", b"")), "T250", "docs/planner.md"),
     Fault("evidence of a mark and blanks alone", agreed(put("docs/planner.md", b"\xef\xbb\xbf \n\n")), "T250", "docs/planner.md"),
+    Fault("evidence of characters that nobody sees", agreed(put("docs/planner.md", "# \u200b\u2060\u00ad\n\u3164 \u2800...\n".encode())), "T250", "docs/planner.md"),
+    Fault("evidence that was not fetched", agreed(put("docs/planner.md", b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n")), "T250", "docs/planner.md"),
     Fault("an argument in a comment that nobody sees", agreed(put("docs/independence.md", b"<!-- They do not\nfail together. -->\n")), "T250", "docs/independence.md"),
     Fault("evidence of an assumption that is empty", agreed(put("docs/sensors.md", b" \n")), "T252", "A-SEEN"),
     Fault("a section of the design in a comment", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\n<!-- to be written -->\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),

@@ -77,6 +77,7 @@ EDITS = [
     Harmless("a byte order mark", remade(R, lambda data: b"\xef\xbb\xbf" + data)),
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
+    Harmless("more that passes over an interface", swap(M, "what: tyre forces}]", "what: tyre forces}, {kind: information, initiator: RO, what: painted lines}]")),
     Harmless("a title of a requirement", swap(R, "title: Permitted speed", "title: Speed")),
     Harmless("a title of a rule", swap(S, '"No faster than the campus permits"', '"Speed"')),
     Harmless("a title of a test", swap(S, '"coasting"', '"rolling on"')),

@@ -119,7 +119,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T247": ("a run that nobody declared", "The run covers nothing, because v-model.yaml does not say what it is evidence for."),
     "T248": ("a log is not here", "A run is kept in the project whose log, or borders, need not be part of it, and are not here. The run counts by the hashes that it keeps, but nobody can make it again here."),
     "T249": ("an assumption rests on a default", "The monitor of an assumption reads an input that the recording does not have, so it judges the default that the spec declares, which nobody measured. A case by hand may leave such an input out; a run that counts as evidence says what it is, in every cycle or, with a reason, for all of them (docs/scenarios.md)."),
-    "T250": ("evidence is not there", "A document that counts as evidence does not exist, or says nothing: it is empty, or holds comments of HTML alone, which nobody sees."),
+    "T250": ("evidence is not there", "A document that counts as evidence does not exist, or says nothing: it has no letter or digit that anybody sees (comments of HTML nobody sees), or is the pointer that Git LFS leaves where contents were not fetched (`git lfs pull`)."),
     "T251": ("evidence has changed", "The document differs from the version that was reviewed, by its hash."),
     "T252": ("an assumption's evidence is not there", "The record that backs the assumption does not exist, or says nothing. Paths in specs are relative to the project."),
     "T253": ("evidence that says that there is none", "The record that is to back the assumption says of itself that there is no evidence, or that it is still to come. A page that exists makes nothing true."),

@@ -120,7 +120,8 @@ def _model(project: Project) -> Iterator[Finding]:
         at = vehicles[1].id.place if vehicles else place
         yield error("T145", f"{said} the vehicle", at, "give exactly one subsystem the role `vehicle`")
     known = {str(s.id) for s in project.subsystems}
-    for name in (*(i.id for i in project.interfaces), *project.infeasible):
+    pairs = (*(i.id for i in project.interfaces), *(i.between for i in project.infeasible))
+    for name in pairs:
         for end in name.split("-"):
             if end not in known:
                 help_ = did_you_mean(end, known) or "known are " + ", ".join(sorted(known))
@@ -129,9 +130,7 @@ def _model(project: Project) -> Iterator[Finding]:
                 )
     for interface in project.interfaces:
         yield from _interface(interface, project)
-    joined = {
-        frozenset(name.split("-")) for name in (*(i.id for i in project.interfaces), *project.infeasible)
-    }
+    joined = {frozenset(name.split("-")) for name in pairs}
     subsystems = sorted(
         project.subsystems, key=lambda s: s.role != "vehicle"
     )  # so that pairs are named vehicle first

@@ -45,6 +45,14 @@ class Issue:
 
 
 @dataclass(frozen=True, slots=True)
+class Infeasible:
+    """Two subsystems that do not meet (`TI-RO`), and why."""
+
+    between: Placed
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
 class Interface:
     """How two subsystems meet, or the properties of one."""
 
@@ -292,7 +300,7 @@ class Project:
     ] = ()  #: how far limits are moved to see that boundary tests fail, one a dimension
     subsystems: tuple[Subsystem, ...] = ()
     interfaces: tuple[Interface, ...] = ()
-    infeasible: tuple[Placed, ...] = ()
+    infeasible: tuple[Infeasible, ...] = ()
     requirements: tuple[Requirement, ...] = ()
     stages: tuple[Stage, ...] = ()
     scenarios: tuple[Scenario, ...] = ()

@@ -170,7 +170,11 @@ def _with_model(project: model.Project, t: Table) -> model.Project:
         if s.text("id")
     )
     interfaces = tuple(_interface(i) for i in t.tables("interfaces") if i.text("id"))
-    infeasible = tuple(i.text("between") for i in t.tables("infeasible") if i.text("between"))
+    infeasible = tuple(
+        model.Infeasible(i.text("between"), i.text("reason"))
+        for i in t.tables("infeasible")
+        if i.text("between")
+    )
     return replace(
         project, subsystems=subsystems, interfaces=interfaces, infeasible=infeasible, modelled=t.place
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,16 +14,28 @@ from trackmarshal.trace.values import Placed
 _HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
+#: Letters and symbols by their category, which look like blanks.
+_BLANK = "\u115f\u1160\u2800\u3164\uffa0"
+#: How a pointer of Git LFS begins.
+_POINTER = b"version https://git-lfs.github.com/spec/"
 #: Larger documents are read by nobody; they have no sections here.
 LARGEST = 16_000_000
 
 
 def silent(document: bytes) -> bool:
-    """Whether a document says nothing: it is empty, or holds comments of HTML alone, which nobody sees. What is no text in UTF-8 says something."""
+    """Whether a document says nothing: it has no letter or digit that anybody sees, or it is what Git LFS puts in the place of contents that were not
+    fetched. Comments of HTML nobody sees. What is no text in UTF-8 says something."""
+    if document.startswith(_POINTER):
+        return True
     try:
-        return len(document) <= LARGEST and not _seen(document.decode("utf-8-sig")).strip()
+        return len(document) <= LARGEST and not any(map(_legible, _seen(document.decode("utf-8-sig"))))
     except UnicodeDecodeError:
         return False
+
+
+def _legible(character: str) -> bool:
+    """Whether anybody reads it: a letter or a digit, of any script, or a symbol."""
+    return character not in _BLANK and unicodedata.category(character)[0] in "LNS"
 
 
 def _seen(text: str) -> str:

@@ -13,7 +13,7 @@ ASILS = ("QM", "A", "B", "C", "D")
 #: Fields of which an element less is a weakening, and one more is none.
 _FEWER = {
     ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
-    ("requirement", "assumptions"), ("interface", "leads_to"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("project", "denials"), ("stage", "applies_to"),
+    ("requirement", "assumptions"), ("interface", "leads_to"), ("interface", "flows"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("project", "denials"), ("stage", "applies_to"),
     ("gate", "requirements"), ("scenario", "by"), ("scenario", "requirements"), ("scenario", "with"), ("evidence", "requirements"),
     ("rule", "satisfies"), ("assumption", "satisfies"), ("evidence", "methods"), ("report", "methods"),
 }  # fmt: skip
@@ -47,7 +47,7 @@ _FIELDS = {
 #: Hashes of files. What is not there is told where it is missed.
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
-_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title")
+_LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
 
 
 #: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
@@ -130,6 +130,8 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
                 continue
             if kind == "issue" and f"interface {name.rpartition('.')[0]}" not in now:
                 continue
+            if kind == "infeasible" and {f"interface {one}" for one in (name, _turned(name))} & now.keys():
+                continue
             if kind == "campaign":  # that is not named any more, or of which nothing is known
                 continue
             if kind == "external-tests" and f"report {name.partition(' in ')[2]}" not in now:
@@ -141,6 +143,12 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
             )
         else:
             yield from _of(kind, name, before[key], now[key])
+
+
+def _turned(pair: str) -> str:
+    """The other name of a pair of subsystems."""
+    one, _, other = pair.partition("-")
+    return f"{other}-{one}"
 
 
 def _renamed(before: Content, now: Content) -> set[str]:

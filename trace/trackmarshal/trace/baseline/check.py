@@ -31,7 +31,7 @@ _PLURAL = {
 }
 #: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
 _GONE = {
-    "requirement": "T223", "interface": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
+    "requirement": "T223", "interface": "T224", "infeasible": "T224", "rule": "T222", "assumption": "T222", "test": "T221", "scenario": "T228", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "report": "T373", "section": "T373", "issue": "T224",
     "external-tests": "T221",
@@ -40,7 +40,7 @@ _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "waiver": "T377", "issue": "T224",
-    "report": "T373", "section": "T373", UNREVIEWED: "T382", "external-tests": "T221", "campaign": "T265",
+    "infeasible": "T224", "report": "T373", "section": "T373", UNREVIEWED: "T382", "external-tests": "T221", "campaign": "T265",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",

@@ -131,6 +131,8 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             # Of a design element, each section about a requirement is held by itself; tests that notice faults of tools change with every fault that is added.
             "evidence sha256": "" if entry.kind in ("design element", "malfunction") else "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
         }  # fmt: skip
+    for pair in project.infeasible:
+        yield f"infeasible {pair.between}", {"reason": _hash(pair.reason)}
     if project.schema is not None:
         own = project.schema
         yield "link-schema", {
@@ -148,7 +150,10 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
                 {**said, "text": _hash(d.text), "answer": _hash(d.answer) if d.answer else ""},
             )
     for i in project.interfaces:
-        yield f"interface {i.id}", {"leads_to": _list(i.leads_to)}
+        flows = [f"{flow.kind} from {flow.initiator}, {_hash(flow.what)}" for flow in i.flows]
+        yield f"interface {i.id}", {
+            "leads_to": _list(i.leads_to), "flows": _list(flows), "rationale": _hash(i.rationale) if i.rationale else "",
+        }  # fmt: skip
         for issue in i.issues:
             yield f"issue {issue.id}", {"text": _hash(issue.text)}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from trackmarshal.trace.case.figure import chart
 from trackmarshal.trace.case.model import TEXT_WIDTH, Block, Figure, Fixed, Given, Line, Part, Section, Status
-from trackmarshal.trace.case.writing import Writing, joined, written
+from trackmarshal.trace.case.writing import Writing, written
 from trackmarshal.trace.model import Interface
 
 
@@ -46,8 +46,11 @@ def system(writing: Writing) -> Section | None:
         writing.named("system.interfaces", [_interface(writing, one) for one in project.interfaces])
     )
     if project.infeasible:
-        apart = joined([(Given(str(pair)),) for pair in project.infeasible])
-        blocks.append(writing.paragraph("system.apart", pairs=apart))
+        columns = (("column.pair", 1.0), ("column.why", 8.0))
+        rows = [
+            [(Given(str(one.between)),), written(one.reason, one.between.place)] for one in project.infeasible
+        ]
+        blocks.append(writing.named("system.apart", [writing.table(columns, rows)]))
     return writing.section("system", blocks)
 
 
