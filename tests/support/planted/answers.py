@@ -36,6 +36,7 @@ F = "specs/scenarios/faults.yaml"
 CLOSING = "  - {id: HZ-2, title: A door closes, situation: At a stop., severity: S0, exposure: E4, controllability: C1, asil: QM, rationale: It is soft.}\n"
 REVIEW = "  - id: RV-2\n    of: [{id: S-1, fingerprint: '4e0096ae66101b0d371fb177e09d31c319e5dcb87f97a11781de41228a5c11b7'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
 ANALYSED = "  - id: RV-3\n    of: [{id: AN-1, fingerprint: '43c60a51f4b963df81ac53acc556cfdaac03c5034bcbf6bc0f3ca6cc827b302e'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
+RATED = "  - id: RV-4\n    of: [{id: HZ-1, fingerprint: '8d46214b2bc7481c26c4593876b96febb903c8a92891596a25d14b1421a39f58'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
 DOORS = (
     "document: requirements\ntitle: Doors\nrequirements:\n"
     "  - id: S-5\n    title: Doors\n    statement: The shuttle shall drive with its doors closed.\n    rationale: Nobody falls out.\n"
@@ -216,6 +217,7 @@ FAULTS = [
     Fault("the text of what was reviewed, accepted before it was on the list", all_of(agreed(swap(R, "keep enough room to stop behind", "keep ten metres behind")), accepted(_off("requirement S-3"), rehash=True)), "T382", "S-3"),
     Fault("the document of an analysis that was reviewed", all_of(agreed(_ANALYSED), _SHARED), "T373", "AN-1"),
     Fault("the document of an analysis that was reviewed, accepted before it was on the list", all_of(agreed(all_of(_ANALYSED, _SHARED)), accepted(_off("analysis AN-1"), rehash=True)), "T382", "AN-1"),
+    Fault("a hazard that was reviewed, rated otherwise and accepted", all_of(agreed(swap(A, "works:\n", f"{RATED}works:\n")), agreed(all_of(swap(H, "exposure: E4", "exposure: E3"), swap(H, "    asil: C\n    rationale", "    asil: B\n    rationale")))), "T167", "RV-4", status=0),
     Fault("a reviewer of another name", swap(A, "title: Vera Verifier", "title: Prof. Important"), "T376", "P-4"),
     Fault("another thing that an indicator counts", swap(A, "title: refused plans", "title: sunny days"), "T376", "SPI-1"),
     Fault("another reason for which a method is not used", _ANOTHER_REASON, "T376", "S-1"),

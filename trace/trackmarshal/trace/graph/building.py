@@ -40,19 +40,28 @@ _USED = {
 }
 
 
+#: What is decided of hazards and goals, and read by whoever reviews them.
+_RATED = {
+    "hazard": ("severity", "exposure", "controllability", "asil"),
+    "safety goal": ("asil", "safe_state", "tolerance"),
+}
+
+
 def build(project: Project, spec: Spec, hashes: Hashes, around: Outside | None = None) -> Graph:
     """The graph; a link whose target does not exist is in it, and says so."""
     return _Building(project, spec, hashes, around or Outside()).graph()
 
 
 def fingerprint(node: Node) -> str:
-    """The fingerprint of what a node says: the engine's or the file's; else the SHA-256 of its statement, situation, description or title.
+    """The fingerprint of what a node says: the engine's or the file's; else the SHA-256 of its statement, situation, description or title, with what hazards
+    and goals are rated as.
 
     How the lines of a text are broken does not matter.
     """
     said = node.attributes
     texts = (said.get(name, "") for name in ("statement", "situation", "description"))
     text = next(filter(None, texts), node.title)
+    text = "\n".join((text, *(said[name] for name in _RATED.get(node.kind, ()) if name in said)))
     return said.get("fingerprint") or hashlib.sha256(" ".join(text.split()).encode()).hexdigest()
 
 
