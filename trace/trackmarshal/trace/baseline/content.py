@@ -150,7 +150,7 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
                 {**said, "text": _hash(d.text), "answer": _hash(d.answer) if d.answer else ""},
             )
     for i in project.interfaces:
-        flows = [f"{flow.kind} from {flow.initiator}, {_hash(flow.what)}" for flow in i.flows]
+        flows = [f"{flow.kind}, {flow.initiator}: {' '.join(flow.what.split())}" for flow in i.flows]
         yield f"interface {i.id}", {
             "leads_to": _list(i.leads_to), "flows": _list(flows), "rationale": _hash(i.rationale) if i.rationale else "",
         }  # fmt: skip
