@@ -86,7 +86,8 @@ def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[A
             asked = np.broadcast_to(asked, shape)
         else:  # what does not vary may count for some and not for others
             asked, by_case = None, False
-    by_case = by_case and math.prod(shape) >= BOUNDED * shape[0]
+    # A margin that neither case nor element changes is one number, of no shape.
+    by_case = by_case and shape != () and math.prod(shape) >= BOUNDED * shape[0]
     margin = geometry.least_clear(args, asked, by_case)
     margin = touching.settled(margin, args, lambda at, row: touching.clear(row))
     return (*_sides(margin), by_case or asked is not None)
