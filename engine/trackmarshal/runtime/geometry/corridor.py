@@ -95,9 +95,10 @@ class Area:
                 (np.maximum.reduce(x, None), np.maximum.reduce(y, None)),
             )
             (first_x, first_y), (last_x, last_y) = ends
-            if first_x > right or last_x < left or first_y > high or last_y < low:  # NaN is not
-                if min(first_x, first_y) >= -LIMIT and max(last_x, last_y) <= LIMIT:
-                    return False
+            # Each of them by itself: what is greater of a number and of NaN depends on which of them comes first.
+            fine = -LIMIT <= first_x and last_x <= LIMIT and -LIMIT <= first_y and last_y <= LIMIT
+            if fine and (first_x > right or last_x < left or first_y > high or last_y < low):
+                return False
         # Points that are none are off no box.
         off: Bools = (x < left) | (x > right) | (y < low) | (y > high)
         return not (off & (np.abs(x) <= LIMIT) & (np.abs(y) <= LIMIT)).all()
