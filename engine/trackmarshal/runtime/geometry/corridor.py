@@ -96,7 +96,7 @@ class Area:
             )
             (first_x, first_y), (last_x, last_y) = ends
             # Each of them by itself: what is greater of a number and of NaN depends on which of them comes first.
-            fine = -LIMIT <= first_x and last_x <= LIMIT and -LIMIT <= first_y and last_y <= LIMIT
+            fine = first_x >= -LIMIT and last_x <= LIMIT and first_y >= -LIMIT and last_y <= LIMIT
             if fine and (first_x > right or last_x < left or first_y > high or last_y < low):
                 return False
         # Points that are none are off no box.
