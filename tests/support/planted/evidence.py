@@ -20,6 +20,7 @@ from support.planted.edits import (
     cut,
     entry,
     gone,
+    moved,
     put,
     remade,
     swap,
@@ -68,6 +69,18 @@ def ran(*names: str) -> Edit:
         for name in names
     )
     return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
+
+
+#: The same in a folder of reports, which is not written as its files are named.
+_FOLDER = all_of(REPORTED, swap(V, f"{{path: {REPORT},", "{path: ./out//reports,"))
+
+
+def _ran(*names: str) -> Edit:
+    def edit(root: Path) -> None:
+        ran(*names)(root)
+        moved(REPORT, "out/reports/unit.xml")(root)
+
+    return edit
 
 
 def _permit(value: str) -> Edit:
@@ -170,6 +183,7 @@ FAULTS = [
     # tests of another runner
     Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
     Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("a test of another runner that is not in the folder of reports any more, however that is written", all_of(_FOLDER, agreed(_ran("fast", "slow")), _ran("fast")), "T221", "S-1 in ./out//reports at S-3-B"),
     Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
     Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
     # waivers
