@@ -279,7 +279,9 @@ def _version(root: Path, commit: str, baseline: str) -> bytes:
 
 
 def _git(root: Path, *words: str) -> str:
-    done = subprocess.run(asking(root, *words), capture_output=True, text=True, check=True, timeout=60, env=surroundings())
+    done = subprocess.run(
+        asking(root, *words), capture_output=True, text=True, check=True, timeout=60, env=surroundings()
+    )
     return done.stdout
 
 
