@@ -189,7 +189,8 @@ class _Reader:
         try:
             suite = Suite(attributes, above, len(self._tests))
         except ValueError as error:
-            raise self._fail("T333", str(error), _AGAIN) from error
+            message, help_ = (*error.args, _AGAIN)[:2]
+            raise self._fail("T333", message, help_) from error
         suite.requirements += ids_in(attributes.get(VERIFIES, ""))
         self._suites.append(suite)
 

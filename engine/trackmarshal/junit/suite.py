@@ -41,14 +41,18 @@ _PYTEST = "pytest tests"
 _NEVER = re.compile(r"(1970-01-01|1969-12-31)T\d\d:(00|15|30|45):00(\.0+)?Z?")
 _AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
 _SHOULD_FAIL = "Catch2 counts a test that is tagged `[!shouldfail]` and passes as failed, and lists it as passed, and with `-w NoAssertions` one without assertions too: take the tag away, and assert something"
-_DOCTEST = "doctest lists tests that took too long, and those that should fail and do not, as if they had passed: let CTest run its tests, as `doctest_discover_tests` does, and name that report"
+_DOCTEST = (
+    "doctest lists tests that took too long, and those that should fail and do not, as if they had passed",
+    "let CTest run its tests, as `doctest_discover_tests` does, and name that report",
+)
 _PENDING = "if mocha-junit-reporter wrote it, give it the option `includePending=true`; otherwise write it anew; its tests count for nothing as it is"
 #: From worst to best.
 _ORDER = ("error", "failed", "skipped", "passed")
 
 
 class Suite:
-    """A suite that is open: what it says it holds, and what was found in it so far. Raises ValueError for a count that is none."""
+    """A suite that is open: what it says it holds, and what was found in it so far. Raises ValueError for a count that is none, and for a runner whose reports do not tell
+    what passed, with what to do about it."""
 
     def __init__(self, attributes: Mapping[str, str], above: Suite | None, first: int) -> None:
         self.name: str = attributes.get("name", "") or (above.name if above else "")
@@ -62,7 +66,7 @@ class Suite:
         #: Whether its counts are of assertions, as those of Catch2.
         self.asserts = attributes.get("hostname") == _CATCH2
         if "doctest_version" in attributes:
-            raise ValueError(_DOCTEST)
+            raise ValueError(*_DOCTEST)
         self._above: Suite | None = above
         self._second: bool = above is not None and above._above is None
         self._broken = 0
