@@ -14,6 +14,9 @@ from pathlib import Path
 import pytest
 
 VERIFIES = "verifies"
+#: Whether a test failed so far, and what its property says of it.
+_FAILED = pytest.StashKey[bool]()
+_SAID = pytest.StashKey[str]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -63,12 +66,22 @@ def pytest_make_collect_report(
 def pytest_runtest_makereport(
     item: pytest.Item,
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A test that was expected to fail, and passed, says so in a property: `--junitxml` does not tell it from any other."""
+    """A test says in a property what `--junitxml` does not tell from any other that passed: that it was expected to fail, that a plugin repeats it after it failed, or
+    that asserts do nothing, since Python runs with `-O`."""
     report = yield
-    if report.passed and hasattr(report, "wasxfail"):
+    before = item.stash.get(_SAID, "")
+    said = before
+    if report.when == "setup" and item.stash.get(_FAILED, False):
+        said = "failed"
+    elif not before and ((report.passed and hasattr(report, "wasxfail")) or not __debug__):
+        said = "skipped"
+    item.stash[_FAILED] = item.stash.get(_FAILED, False) or report.failed
+    if said != before:
         from trackmarshal.junit.reading import OUTCOME
 
-        item.user_properties.append((OUTCOME, "skipped"))
+        item.stash[_SAID] = said
+        item.user_properties.append((OUTCOME, said))
+        report.user_properties = list(item.user_properties)
     return report
 
 

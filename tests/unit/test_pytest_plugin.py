@@ -181,3 +181,37 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
     assert done.returncode == 4
     assert "Python runs with -O" in done.stdout + done.stderr
     assert not (project / "out" / "a.json").exists()
+
+
+REPEATS = """
+from _pytest.runner import runtestprotocol
+
+def pytest_runtest_protocol(item, nextitem):
+    reports = runtestprotocol(item, nextitem=nextitem, log=False)
+    if any(report.failed for report in reports):
+        reports = runtestprotocol(item, nextitem=nextitem, log=False)
+    for report in reports:
+        item.ihook.pytest_runtest_logreport(report=report)
+    return True
+"""
+
+
+def test_what_passes_only_when_it_is_repeated_has_failed(project: Path) -> None:
+    """Reports in XML have the last run of a test alone, so it says so in a property."""
+    (project / "tests" / "conftest.py").write_text(REPEATS, "utf-8")
+    mark = '@pytest.mark.verifies("S-1-B-1")\n'
+    tests = f"import pytest\nN = []\n{mark}def test_flaky():\n    N.append(1)\n    assert len(N) > 1\n{mark}def test_good(): pass\n"
+    done = run(project, tests, "--junitxml=out/a.xml")
+    assert done.returncode == 0, done.stdout + done.stderr
+    written = {test.name: test.outcome for test in reading.read(project / "out" / "a.xml", "a.xml")}
+    assert written == {"test_flaky": "failed", "test_good": "passed"}
+
+
+def test_reports_in_xml_of_asserts_that_do_nothing_show_nothing(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONOPTIMIZE", "1")
+    tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\n'
+    assert run(project, tests, "--assert=plain", "--junitxml=out/a.xml").returncode == 0
+    (test,) = reading.read(project / "out" / "a.xml", "a.xml")
+    assert (test.requirements, test.outcome) == (("S-1-B-1",), "skipped")

@@ -13,7 +13,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.git import asking
+from trackmarshal.cli.git import asking, surroundings
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding
@@ -229,7 +229,7 @@ def _named(root: Path, commits: list[str]) -> dict[str, str]:
 
     asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
     done = subprocess.run(
-        asking(root, "cat-file", "--batch", "--follow-symlinks"), input=asked.encode(), capture_output=True, check=True, timeout=60
+        asking(root, "cat-file", "--batch", "--follow-symlinks"), input=asked.encode(), capture_output=True, check=True, timeout=60, env=surroundings()
     )  # fmt: skip
     known: dict[bytes, str] = {}
     found: dict[str, str] = {}
@@ -273,12 +273,15 @@ def _version(root: Path, commit: str, baseline: str) -> bytes:
         capture_output=True,
         check=False,
         timeout=60,
+        env=surroundings(),
     )
     return done.stdout if done.returncode == 0 else b""  # where the file was removed
 
 
 def _git(root: Path, *words: str) -> str:
-    done = subprocess.run(asking(root, *words), capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run(
+        asking(root, *words), capture_output=True, text=True, check=True, timeout=60, env=surroundings()
+    )
     return done.stdout
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.cli.evidence import now
-from trackmarshal.cli.git import asking
+from trackmarshal.cli.git import asking, surroundings
 from trackmarshal.store import Entry, Store
 
 #: What results of earlier versions do not say.
@@ -98,7 +98,7 @@ def commit(root: Path) -> str:
 
 def _git(root: Path, *words: str) -> str:
     return subprocess.run(
-        asking(root, *words), capture_output=True, text=True, check=True, timeout=20
+        asking(root, *words), capture_output=True, text=True, check=True, timeout=20, env=surroundings()
     ).stdout.strip()
 
 

@@ -6,7 +6,7 @@ import subprocess
 from datetime import date, timedelta
 from pathlib import Path
 
-from trackmarshal.cli.git import asking
+from trackmarshal.cli.git import asking, surroundings
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -43,7 +43,9 @@ def _of_commit(root: Path) -> str:
     no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
     command = asking(root, "log", "--no-show-signature", f"--max-count={_BEFORE}", "--format=%cs", "HEAD")
     try:
-        said = subprocess.run(command, capture_output=True, text=True, check=True, timeout=20).stdout.split()
+        said = subprocess.run(
+            command, capture_output=True, text=True, check=True, timeout=20, env=surroundings()
+        ).stdout.split()
     except (OSError, subprocess.SubprocessError):
         raise TrackmarshalError(
             "T348", "there is no commit whose day it could be", help="name a day, `--day 2026-01-31`"

@@ -1,13 +1,32 @@
-"""How git is asked about a project: of what is recorded, and of nothing that stands in its place on this machine (`git replace`)."""
+"""How git is asked about a project: of what is recorded, and of nothing that stands in its place on this machine: replaced objects, grafts, what was
+counted of the commits before, another repository that the environment names."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+
+#: Variables that lead git elsewhere than to the repository around a folder; hooks of git set some for their own.
+_ELSEWHERE = (
+    "GIT_DIR",
+    "GIT_COMMON_DIR",
+    "GIT_WORK_TREE",
+    "GIT_NAMESPACE",
+    "GIT_SHALLOW_FILE",
+    "GIT_REPLACE_REF_BASE",
+    "GIT_CEILING_DIRECTORIES",
+)
 
 
 def asking(folder: Path, *words: str) -> list[str]:
     """The command that asks git, in a folder."""
-    return ["git", "--no-replace-objects", "-C", str(folder), *words]
+    return ["git", "--no-replace-objects", "-c", "core.commitGraph=false", "-C", str(folder), *words]
 
 
-__all__ = ["asking"]
+def surroundings() -> dict[str, str]:
+    """The environment to ask it in."""
+    kept = {name: value for name, value in os.environ.items() if name not in _ELSEWHERE}
+    return {**kept, "GIT_GRAFT_FILE": os.devnull}
+
+
+__all__ = ["asking", "surroundings"]

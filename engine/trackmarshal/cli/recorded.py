@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.cli.git import asking
+from trackmarshal.cli.git import asking, surroundings
 from trackmarshal.trace.case.inputs import Recorded
 
 #: What git calls the commit of lines that are in none yet.
@@ -101,7 +101,7 @@ def _day(seconds: int, zone: str) -> str:
 def _git(root: Path, *arguments: str) -> str:
     """What git says of what is recorded, and of nothing that stands in its place here; "" where it is not there or refuses."""
     try:
-        done = subprocess.run(asking(root, *arguments), capture_output=True, check=False)
+        done = subprocess.run(asking(root, *arguments), capture_output=True, check=False, env=surroundings())
     except OSError:
         return ""
     return done.stdout.decode("utf-8", "replace") if done.returncode == 0 else ""

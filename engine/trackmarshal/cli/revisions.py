@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import tarfile
@@ -10,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import IO
 
-from trackmarshal.cli.git import asking
+from trackmarshal.cli.git import asking, surroundings
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -150,7 +149,7 @@ def _bytes(project: Path, *arguments: str, name: str) -> bytes:
         asking(project, *arguments),
         capture_output=True,
         check=False,
-        env={**os.environ, "LC_ALL": "C"},
+        env={**surroundings(), "LC_ALL": "C"},
     )
     if done.returncode:
         said = done.stderr.decode("utf-8", "replace").strip()

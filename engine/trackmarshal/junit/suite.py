@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from trackmarshal.records import ExternalTest
@@ -30,12 +31,28 @@ _FLAGS = {
     "success": (False, "failed"), "passed": (False, "failed"), "failed": (True, "failed"),
 }  # fmt: skip
 _YES, _NO = frozenset({"true", "1", "yes"}), frozenset({"false", "0", "no"})
+#: What Catch2 writes of hosts, in versions 2 and 3.
+_CATCH2 = "tbd"
+#: What Catch2 writes of a test that may fail, or should, where it did.
+_MAY_FAIL = "TEST_CASE tagged with !mayfail"
+#: The root of what pytest writes. It counts subtests, which it does not list.
+_PYTEST = "pytest tests"
+#: When GoogleTest says that a test began that never did, in whichever time zone.
+_NEVER = re.compile(r"(1970-01-01|1969-12-31)T\d\d:(00|15|30|45):00(\.0+)?Z?")
+_AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
+_SHOULD_FAIL = "Catch2 counts a test that is tagged `[!shouldfail]` and passes as failed, and lists it as passed, and with `-w NoAssertions` one without assertions too: take the tag away, and assert something"
+_DOCTEST = (
+    "doctest lists tests that took too long, and those that should fail and do not, as if they had passed",
+    "let CTest run its tests, as `doctest_discover_tests` does, and name that report",
+)
+_PENDING = "if mocha-junit-reporter wrote it, give it the option `includePending=true`; otherwise write it anew; its tests count for nothing as it is"
 #: From worst to best.
 _ORDER = ("error", "failed", "skipped", "passed")
 
 
 class Suite:
-    """A suite that is open: what it says it holds, and what was found in it so far. Raises ValueError for a count that is none."""
+    """A suite that is open: what it says it holds, and what was found in it so far. Raises ValueError for a count that is none, and for a runner whose reports do not tell
+    what passed, with what to do about it."""
 
     def __init__(self, attributes: Mapping[str, str], above: Suite | None, first: int) -> None:
         self.name: str = attributes.get("name", "") or (above.name if above else "")
@@ -44,23 +61,61 @@ class Suite:
         self.first = first  #: the place of its first test among all
         self.requirements: list[str] = []
         self.tests = self.failing = self.skipping = 0
+        self.at_once: list[int] = []  #: the places of its tests that passed and took no time at all
+        self._root: str = above._root if above else attributes.get("name", "")
+        #: Whether its counts are of assertions, as those of Catch2.
+        self.asserts = attributes.get("hostname") == _CATCH2
+        if "doctest_version" in attributes:
+            raise ValueError(*_DOCTEST)
+        self._above: Suite | None = above
+        self._second: bool = above is not None and above._above is None
+        self._broken = 0
+        self._inner = False
+        if above is not None:
+            above._inner = True
         counts = ("tests", "failures", "errors", *_LEFT_OUT)
         self._said = {name: _count(attributes, name) for name in counts}
+        self._counts = "tests" in attributes
 
-    def lacking(self) -> str:
-        """What it says it holds and does not list; empty when there is nothing."""
+    def count(self, case: Case) -> None:
+        """A test of it, or of a suite in it, is closed."""
+        self.tests += 1
+        self._broken += case.bad > 0
+        if not (self.asserts and case.excused):
+            self.failing += case.bad
+        self.skipping += case.skips if self.asserts else case.skips > 0
+
+    def lacking(self) -> tuple[str, str]:
+        """What it says it holds and does not list, and what to do about it; empty when there is nothing."""
         said = self._said
-        if said["tests"] > self.tests:
-            return f"the suite `{self.name}` says it has {said['tests']} tests, and lists {self.tests}"
+        if said["tests"] > self.tests and not self.asserts and self._root != _PYTEST:
+            help_ = _PENDING if self._root == "Mocha Tests" else _AGAIN
+            return f"the suite `{self.name}` says it has {said['tests']} tests, and lists {self.tests}", help_
         bad = said["failures"] + said["errors"]
         if bad > self.failing:
-            return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}"
+            help_ = _SHOULD_FAIL if self.asserts else _AGAIN
+            return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}", help_
         left_out = max(said[name] for name in _LEFT_OUT)  # some runners count the same tests in two of them
         if left_out > self.skipping:
-            return (
+            help_ = _PENDING if self._root == "Mocha Tests" else _AGAIN
+            message = (
                 f"the suite `{self.name}` says that {left_out} tests were skipped, and lists {self.skipping}"
             )
-        return ""
+            return message, help_
+        return "", ""
+
+    def to_do(self) -> bool:
+        """Whether it lists tests beyond those that it counts and those that broke outside of them: jest-junit lists `test.todo` as if it had passed, and
+        does not count it."""
+        said = self._said
+        outside = max(0, self._broken - said["failures"] - said["errors"])
+        return (
+            self._second
+            and self._counts
+            and not self._inner
+            and not self.asserts
+            and self.tests - outside > said["tests"]
+        )
 
 
 class Case:
@@ -77,17 +132,21 @@ class Case:
         self._message = ""
         self.requirements: list[str] = []
         self.failing = 0  #: how many failures and errors it names: some runners list several
-        self.skipped = False  #: whether anything says so, whatever else came of it
+        self.skips = 0  #: how often anything says that it was skipped, whatever else came of it
+        self.excused = False  #: whether it was expected to fail
         for name in ("status", "result"):
             self.status(name, attributes.get(name, ""))
         for name in _FLAGS.keys() & attributes.keys():
             self._flag(name, attributes[name])
+        if attributes.get("result") == "completed" and _NEVER.fullmatch(attributes.get("timestamp", "")):
+            never = "it never began: that is what GoogleTest's time 1970-01-01 means, as where an Environment skips all tests; set the clock if it stood there"
+            self.say("skipped", never)
 
     def status(self, name: str, word: str) -> None:
         """What it came to, by a word for that."""
         status = word.strip().lower()
         if status in _NOT_RUN:
-            self.skipped = True
+            self.skips += 1
             self._set("skipped", "")
         elif status in _FAILED or status == "error":
             self._set("error" if status == "error" else "failed", "")
@@ -100,7 +159,7 @@ class Case:
         if said not in _YES | _NO:
             self._set("error", f"its {name} is `{word}`, of which it is not known whether that is a pass")
         elif (said in _YES) == means:
-            self.skipped |= outcome == "skipped"
+            self.skips += outcome == "skipped"
             self._set(outcome, "")
 
     @property
@@ -108,10 +167,17 @@ class Case:
         """How many failures and errors it stands for."""
         return max(self.failing, self._outcome in ("failed", "error"))
 
-    def say(self, outcome: str, message: str) -> None:
-        """One of the elements that say what came of it."""
+    @property
+    def at_once(self) -> bool:
+        """Whether it passed, and its runner says of its time no more than `0`."""
+        return self._outcome == "passed" and self._attributes.get("time") == "0"
+
+    def say(self, outcome: str, message: str, kind: str = "") -> None:
+        """One of the elements that say what came of it, with its type."""
         self.failing += outcome != "skipped"
-        self.skipped |= outcome == "skipped"
+        if outcome == "skipped":
+            self.skips += 1
+            self.excused |= kind == "todo" or (self._suite.asserts and message == _MAY_FAIL)
         self._set(outcome, message)
 
     def explain(self, text: str) -> None:
@@ -127,9 +193,13 @@ class Case:
 
     def record(self, tool: str, report: str, digest: str) -> ExternalTest:
         a = self._attributes
+        outcome, message = self._outcome, self._message
+        if self.excused and outcome in ("failed", "error"):
+            outcome = "skipped"
+            message = f"it was expected to fail: {message}"[: self.MOST]
         return ExternalTest(
-            a.get("classname", "") or self._suite.name, a.get("name", ""), tuple(dict.fromkeys(self.requirements)), self._outcome,
-            self._message, a.get("file", "") or self._suite.file, _line(a.get("line", "")), _seconds(a.get("time", "")),
+            a.get("classname", "") or self._suite.name, a.get("name", ""), tuple(dict.fromkeys(self.requirements)), outcome,
+            message, a.get("file", "") or self._suite.file, _line(a.get("line", "")), _seconds(a.get("time", "")),
             tool, a.get("timestamp", "") or self._suite.created, report, self._place, digest,
         )  # fmt: skip
 

@@ -134,6 +134,12 @@ def _as_a_link(root: Path) -> None:
     all_of(git("add", "."), git("commit", "--amend", "-qm", "The shuttle"))(root)
 
 
+def _cut_off(root: Path) -> None:
+    """A history of one commit, as a file on this machine says."""
+    head = run_git(root, "rev-parse", "HEAD")
+    put(".git/info/grafts", head.encode())(root)
+
+
 _STRUCK = cut(R, "  - id: S-9\n", "")
 _STRUCK_BY_HAND = all_of(
     _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True), committed("tidy")
@@ -183,6 +189,7 @@ FAULTS = [
     Fault("the baseline emptied in one commit, and accepted anew in another", all_of(put(BASELINE, b""), committed("tidy"), gone(BASELINE), agreed(lambda root: None), git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline of another version in one commit, and accepted anew in another", all_of(put(BASELINE, b'{"format": "trackmarshal-baseline", "version": 1}'), committed("tidy"), _anew, git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline removed and accepted anew, behind a history put in place of what is recorded", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again"), git("replace", "--graft", "HEAD")), "T380", rerun=True),
+    Fault("the baseline removed and accepted anew, behind a history that a file of grafts cuts off", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again"), _cut_off), "T380", rerun=True),
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),

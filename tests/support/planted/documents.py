@@ -166,6 +166,7 @@ FAULTS = [
     Fault("a tab", swap(R, "    title: Brakes\n", "\ttitle: Brakes\n"), "T105", status=2),
     Fault("a key twice", swap(R, "    title: Brakes\n", "    title: Brakes\n    title: Stopping\n"), "T109", status=2),
     Fault("an alias", swap(R, "title: Brakes", "title: &a Brakes"), "T107", status=2),
+    Fault("a text that looks like another one", swap(V, "The shuttle has not been on the avenue yet.", "The shuttle has \u202eeunev\u202c seen it."), "T105", status=2),
     Fault("two documents in one", add(H, "---\ndocument: hazards\ntitle: More\n"), "T106", status=2),
     Fault("a document that is none", swap(H, "document: hazards", "document: hazard"), "T113", status=2),
     Fault("a suffix in capitals", moved(H, "requirements/hazards.YAML"), "T101", status=2),

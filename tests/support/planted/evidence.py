@@ -20,6 +20,7 @@ from support.planted.edits import (
     cut,
     entry,
     gone,
+    moved,
     put,
     remade,
     swap,
@@ -68,6 +69,18 @@ def ran(*names: str) -> Edit:
         for name in names
     )
     return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
+
+
+#: The same in a folder of reports, which is not written as its files are named.
+_FOLDER = all_of(REPORTED, swap(V, f"{{path: {REPORT},", "{path: ./out//reports,"))
+
+
+def _ran(*names: str) -> Edit:
+    def edit(root: Path) -> None:
+        ran(*names)(root)
+        moved(REPORT, "out/reports/unit.xml")(root)
+
+    return edit
 
 
 def _permit(value: str) -> Edit:
@@ -170,6 +183,7 @@ FAULTS = [
     # tests of another runner
     Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
     Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("a test of another runner that is not in the folder of reports any more, however that is written", all_of(_FOLDER, agreed(_ran("fast", "slow")), _ran("fast")), "T221", "S-1 in ./out//reports at S-3-B"),
     Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
     Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
     # waivers
@@ -240,6 +254,10 @@ FAULTS = [
     Fault("evidence of a mark and blanks alone", agreed(put("docs/planner.md", b"\xef\xbb\xbf \n\n")), "T250", "docs/planner.md"),
     Fault("evidence of characters that nobody sees", agreed(put("docs/planner.md", "# \u200b\u2060\u00ad\n\u3164 \u2800...\n".encode())), "T250", "docs/planner.md"),
     Fault("evidence that was not fetched", agreed(put("docs/planner.md", b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12\n")), "T250", "docs/planner.md"),
+    Fault("evidence that git-annex did not fetch", agreed(put("docs/planner.md", b"/annex/objects/SHA256E-s12--4d7a.md\n")), "T250", "docs/planner.md"),
+    Fault("evidence of headings alone", agreed(put("docs/planner.md", b"# Planner\n\n## How it keeps room\n\n## S-31\n")), "T250", "docs/planner.md"),
+    Fault("evidence of what programs read alone", agreed(put("docs/planner.md", b"---\ntitle: Planner\nauthor: P-1\n---\n\n[1]: https://campus.example/planner\n```\n```\n")), "T250", "docs/planner.md"),
+    Fault("evidence that was put off", agreed(put("docs/planner.md", b"# Planner\n\n*T.B.D.*\n")), "T250", "docs/planner.md"),
     Fault("an argument in a comment that nobody sees", agreed(put("docs/independence.md", b"<!-- They do not\nfail together. -->\n")), "T250", "docs/independence.md"),
     Fault("evidence of an assumption that is empty", agreed(put("docs/sensors.md", b" \n")), "T252", "A-SEEN"),
     Fault("a section of the design in a comment", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\n<!-- to be written -->\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),

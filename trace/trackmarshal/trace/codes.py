@@ -10,7 +10,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T102": ("a requirements file is too large", "Requirements are read by people; a file of more than 16 MB is taken for something else and refused before it is read."),
     "T103": ("a requirements file is empty", "Every .yaml file under requirements/ is one document. An empty one says nothing, which is hardly meant."),
     "T104": ("a requirements file is not UTF-8", "Requirements are UTF-8 text, with or without a byte order mark, with LF or CRLF line ends."),
-    "T105": ("not YAML", "The text breaks YAML's rules at this place. What follows it in the file is not known; other files are read all the same."),
+    "T105": ("not YAML", "The text breaks YAML's rules at this place. What follows it in the file is not known; other files are read all the same. So it is with characters that turn the direction of writing: who reads the text sees another one."),
     "T106": ("two documents in one file", "A line `---` begins a second document. One file holds one document, so that each has a name."),
     "T107": ("an anchor or an alias", "Anchors and aliases save typing and hide what a requirement says; nested ones blow up a reader's memory. They are refused."),
     "T108": ("a tag", "Tags such as `!!python/object` ask a reader to build things. Requirements are texts, lists and mappings, and nothing is built from them."),

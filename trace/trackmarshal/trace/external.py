@@ -190,13 +190,9 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
     for report, those in skipped.items():
         said = "1 test was" if len(those) == 1 else f"{len(those)} tests were"
         message = f"{said} skipped in `{report}`, which counts as not covered"
-        yield warning(
-            "T338",
-            message,
-            those[0].place,
-            "run what they need, or take the requirement away",
-            those[0].test.name,
-        )
+        reasons = dict.fromkeys(one.test.message for one in those if one.test.message)
+        help_ = "; ".join(["run what they need, or take the requirement away", *list(reasons)[:3]])
+        yield warning("T338", message, those[0].place, help_, those[0].test.name)
     for report, those in stale.items():
         said = "1 test in `{}` is" if len(those) == 1 else f"{len(those)} tests in `{{}}` are"
         message = f"{said.format(report)} no longer what ran, which counts as not covered"

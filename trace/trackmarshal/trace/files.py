@@ -100,7 +100,8 @@ def _document(root: Path, path: str) -> str | None:
     data = _bytes(root, path)
     if data is None:
         return None
-    return "" if sections.silent(data) else digest(data)
+    markdown = path.lower().endswith((".md", ".markdown"))
+    return "" if sections.silent(data, markdown) else digest(data)
 
 
 def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:

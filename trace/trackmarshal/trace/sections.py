@@ -16,21 +16,41 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
 #: Letters and symbols by their category, which look like blanks.
 _BLANK = "\u115f\u1160\u2800\u3164\uffa0"
-#: How a pointer of Git LFS begins.
-_POINTER = b"version https://git-lfs.github.com/spec/"
+#: How pointers of Git LFS and git-annex begin.
+_POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
+#: What stands at the head of Markdown documents for programs.
+_FRONT = re.compile(r"\A---\n.*?\n---(\n|\Z)", re.DOTALL)
+#: What a link leads to, in a line of its own.
+_LINK = re.compile(r"[ ]{0,3}\[[^\]]+\]:.*")
+#: All that a document says whose writing was put off.
+_PUT_OFF = frozenset({"todo", "tbd", "tba", "tbc", "fixme"})
 #: Larger documents are read by nobody; they have no sections here.
 LARGEST = 16_000_000
 
 
-def silent(document: bytes) -> bool:
-    """Whether a document says nothing: it has no letter or digit that anybody sees, or it is what Git LFS puts in the place of contents that were not
-    fetched. Comments of HTML nobody sees. What is no text in UTF-8 says something."""
-    if document.startswith(_POINTER):
+def silent(document: bytes, markdown: bool = False) -> bool:
+    """Whether a document says nothing: it has no letter or digit that anybody sees, or it is what Git LFS or git-annex puts in the place of contents that were not
+    fetched. Comments of HTML nobody sees. One in Markdown says nothing below its headings, either. What is no text in UTF-8 says something."""
+    if document.startswith(_POINTERS):
         return True
     try:
-        return len(document) <= LARGEST and not any(map(_legible, _seen(document.decode("utf-8-sig"))))
+        text = _seen(document.decode("utf-8-sig")) if len(document) <= LARGEST else None
     except UnicodeDecodeError:
         return False
+    if text is None:
+        return False
+    said = "".join(filter(_legible, _below(text) if markdown else text))
+    return not said or said.lower() in _PUT_OFF
+
+
+def _below(text: str) -> str:
+    """What a document in Markdown says beside its headings and what programs read at its head."""
+    text = _FRONT.sub("", text.replace("\r\n", "\n"))
+    return "\n".join(
+        line
+        for depth, line in _headed(text)
+        if not depth and not _FENCE.match(line) and not _LINK.fullmatch(line)
+    )
 
 
 def _legible(character: str) -> bool:

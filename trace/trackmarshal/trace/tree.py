@@ -7,6 +7,7 @@ kind of value a place wants is the business of `shapes`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,8 @@ from trackmarshal.trace.findings import Finding, Place, error
 MAX_BYTES = 16_000_000
 #: How deep lists and mappings may nest; the documents here need 7.
 MAX_DEPTH = 20
+#: What turns the direction of writing, so that a text looks like another one.
+_TURNS = re.compile("[\u202a-\u202e\u2066-\u2069]")
 
 
 class Node:
@@ -108,6 +111,14 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
                 "start with `document: requirements`, or delete it",
             )
         )
+        return None
+    turn = _TURNS.search(text)
+    if turn is not None:
+        place = Place(shown, text.count("\n", 0, turn.start()) + 1)
+        shape = f"U+{ord(turn[0]):04X}"
+        message = f"{shape} turns the direction of writing, so that the text looks like another one"
+        help_ = f'take it out, or write it as "\\u{ord(turn[0]):04X}" in double quotes, where it is seen'
+        found.append(error("T105", message, place, help_))
         return None
     try:
         return _Builder(shown, found).build(_events(text))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import posixpath
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -85,10 +86,11 @@ def _report(key: str) -> str:
 def _external(project: Project, outside: Outside) -> Iterator[tuple[str, Entry]]:
     """How many tests of other runners show something of a requirement, by the report that they are in: tests get other names, and are parametrized otherwise."""
     for report in project.junit:
+        path = posixpath.normpath(report.path)  # files of a folder are named so, however it is written
         named: dict[str, set[tuple[str, str]]] = defaultdict(set)
         for test, stage, _ in outside.tests:
             if stage == report.stage and (
-                test.report == report.path or test.report.startswith(f"{report.path}/")
+                test.report in (report.path, path) or test.report.startswith(f"{path}/")
             ):
                 for id_ in test.requirements:
                     named[id_].add((test.suite, _PARAMETERS.sub("", test.name)))

@@ -1,0 +1,108 @@
+"""Reports as runners wrote them, of tests that passed, failed, broke, were skipped, were expected to fail or were cut off: what the runner says of each
+is what we say, and nothing that did not pass passes. Each report names its runner and the version."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.junit import reading
+
+REPORTS = Path(__file__).parents[1] / "support" / "reports"
+#: Outcomes by their first letters, in the order of the report.
+WORDS = {"p": "passed", "f": "failed", "e": "error", "s": "skipped"}
+
+
+@pytest.mark.parametrize(
+    ("report", "outcomes"),
+    [
+        ("catch2", "ppfessp"),
+        ("catch2_crash", "e"),
+        ("ctest", "pfpfssssffssfp"),
+        ("gtest", "pfsfsspf"),
+        ("gtest_environment_breaks", "pf"),
+        ("gtest_environment_skips", "ss"),
+        ("gtest_environment_skips_elsewhere", "ss"),
+        ("jest", "spsfsppf"),
+        ("mocha_pending", "pfssspfpf"),
+        ("mocha_xunit", "pfssspfpf"),
+        ("node", "pfsssfp"),
+        ("nose2", "psfsse"),
+        ("pytest_subtests", "psfsfep"),
+        ("unittest", "pfssee"),
+        ("vitest", "pfsspfppspff"),
+    ],
+)
+def test_what_the_runner_says_of_each(report: str, outcomes: str) -> None:
+    found = [test.outcome for test in reading.read(REPORTS / f"{report}.xml", "report.xml")]
+    assert found == [WORDS[letter] for letter in outcomes]
+
+
+@pytest.mark.parametrize(
+    ("report", "code", "what_to_do"),
+    [
+        ("catch2_should_fail", "T335", "take the tag away"),
+        ("doctest", "T333", "let CTest run its tests"),
+        ("mocha", "T335", "includePending=true"),
+    ],
+)
+def test_a_report_that_does_not_tell_what_came_of_its_tests(report: str, code: str, what_to_do: str) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        reading.read(REPORTS / f"{report}.xml", "report.xml")
+    assert caught.value.code == code
+    assert what_to_do in (caught.value.help or "")
+
+
+def _of(tmp_path: Path, text: str) -> list[str]:
+    path = tmp_path / "report.xml"
+    path.write_text(text, "utf-8")
+    return [test.outcome for test in reading.read(path, "report.xml")]
+
+
+def test_catch2_lists_what_it_counts_as_failed_and_skipped(tmp_path: Path) -> None:
+    """Its counts are of assertions: version 3 counts each `SKIP()`, and what may fail is not among the failed ones."""
+    suite = '<testsuites><testsuite name="c" errors="0" failures="{}" skipped="{}" tests="40" hostname="tbd">{}</testsuite></testsuites>'
+    twice = '<testcase name="x"><skipped type="SKIP"/><skipped type="SKIP"/></testcase>'
+    may = '<testcase name="y"><skipped message="TEST_CASE tagged with !mayfail"/><failure/></testcase>'
+    assert _of(tmp_path, suite.format(0, 2, twice + may)) == ["skipped", "skipped"]
+    assert _of(tmp_path, suite.format(1, 0, '<testcase name="x"><failure/></testcase>')) == ["failed"]
+    for text in (suite.format(1, 0, may), suite.format(0, 3, twice)):
+        with pytest.raises(TrackmarshalError, match="lists"):
+            _of(tmp_path, text)
+
+
+def test_only_its_own_words_excuse_what_failed(tmp_path: Path) -> None:
+    """What GoogleTest skips after it failed has failed, and no other runner knows the words of Catch2."""
+    for skipped in (
+        "<skipped/>",
+        '<skipped message="TEST_CASE tagged with !mayfail"/>',
+        '<skipped type="pytest.skip"/>',
+    ):
+        assert _of(tmp_path, f'<testsuite><testcase name="x">{skipped}<failure/></testcase></testsuite>') == [
+            "failed"
+        ]
+
+
+@pytest.mark.parametrize(
+    ("time", "outcome"),
+    [
+        ("1970-01-01T00:00:00.000", "skipped"), ("1970-01-01T05:45:00.000", "skipped"), ("1969-12-31T19:00:00", "skipped"),
+        ("1970-01-01T00:00:03.250", "passed"), ("2026-06-01T12:00:00.000", "passed"), ("", "passed"),
+    ],
+)  # fmt: skip
+def test_a_test_that_never_began(tmp_path: Path, time: str, outcome: str) -> None:
+    """GoogleTest says `completed` of all tests where an Environment skips them."""
+    test = f'<testcase name="x" status="run" result="completed" timestamp="{time}"/>'
+    assert _of(tmp_path, f'<testsuite tests="1" skipped="0">{test}</testsuite>') == [outcome]
+
+
+def test_what_is_to_do_is_looked_for_only_where_a_suite_lists_more_than_it_counts(tmp_path: Path) -> None:
+    quick, slow = '<testcase name="x" time="0"/>', '<testcase name="y" time="0.2"/>'
+    broke = '<testcase name="hook" time="0"><failure/><failure/></testcase>'
+    suite = '<testsuites><testsuite tests="{}" failures="0">{}</testsuite></testsuites>'
+    assert _of(tmp_path, suite.format(2, quick + slow)) == ["passed", "passed"]
+    assert _of(tmp_path, suite.format(2, quick + slow + broke)) == ["passed", "passed", "failed"]
+    assert _of(tmp_path, suite.format(1, quick + slow + broke)) == ["skipped", "passed", "failed"]
+    assert _of(tmp_path, suite.format(0, quick)) == ["skipped"]
