@@ -52,7 +52,7 @@ def test_all_say_the_same_of_every_cycle(formula: str) -> None:
     chosen = random.Random(formula)
     text = f'module m\nsignal s : state {{ x: 1, z: 1 }}\nrule f "x"\n  require {formula}\n'
     evaluators = {name: Evaluator(loads(text), backend=name) for name in ("reference", "numpy", "c")}
-    for _ in range(3):
+    for _ in range(amount(2, 3)):
         t, rows = 0.0, []
         for _ in range(14):
             t += chosen.choice((0.5, 1.0, 1.0, 2.0))

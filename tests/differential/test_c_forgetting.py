@@ -22,6 +22,9 @@ from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generate
 from trackmarshal.evaluation import Evaluator, loads
 
+#: Runs of one program.
+RUNS = amount(8, 20)
+
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 #: What looks ahead ends with an absence, whatever is remembered.
 AHEAD = (
@@ -33,7 +36,7 @@ AHEAD = (
 @given(
     LASTING,
     st.lists(formulas(True, ahead=False), min_size=8, max_size=8),
-    st.lists(runs(), min_size=12, max_size=12),
+    st.lists(runs(), min_size=min(RUNS, 12), max_size=min(RUNS, 12)),
 )
 @_SETTINGS
 def test_all_three_agree(lasting: str, drawn: list[str], several: list[list[dict[str, Any] | None]]) -> None:
@@ -54,7 +57,7 @@ def test_all_three_agree(lasting: str, drawn: list[str], several: list[list[dict
     run_pairs.LASTING,
     st.sampled_from([run_pairs.SETS, run_pairs.SETS[::-1], ("objects", "objects")]),
     st.lists(run_pairs.paired(False), min_size=8, max_size=8),
-    st.lists(run_pairs.runs(), min_size=20, max_size=20),
+    st.lists(run_pairs.runs(), min_size=RUNS, max_size=RUNS),
 )
 @_SETTINGS
 def test_pairs_of_elements(

@@ -161,7 +161,9 @@ def test_emitted(tmp_path: Path) -> None:
         given = Cycle(number, now, driving, emergency, {"ego": ego, "lanes": lanes(rng, kept)})
         expected += decision_lines(recorded.step(given))
     recorded.close()
-    made = emit(tmp_path / "out", recordings=[tmp_path / "run.arrows"], spec=tmp_path / "m.spec")
+    made = emit(
+        tmp_path / "out", recordings=[tmp_path / "run.arrows"], spec=tmp_path / "m.spec", root=tmp_path
+    )
     sizes = ["-DTM_MAX_ELEMENTS=4u", "-DTM_MAX_BORDER=6u"]
     command = [
         "cc",

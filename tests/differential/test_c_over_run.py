@@ -25,6 +25,8 @@ from trackmarshal.runtime.verdict import About
 #: Rules of one program, so that not each needs a compiler.
 RULES = 12
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "3"))
+#: Runs of one program.
+RUNS = amount(5, 8)
 OTHERS = ("reference", "numpy")
 
 
@@ -76,7 +78,7 @@ _SETTINGS = settings(
 @given(
     st.lists(formulas(), min_size=RULES, max_size=RULES),
     st.lists(_CLAUSES, min_size=3, max_size=3),
-    st.lists(runs(), min_size=8, max_size=8),
+    st.lists(runs(), min_size=RUNS, max_size=RUNS),
 )
 @_SETTINGS
 def test_all_three_agree(
@@ -94,7 +96,7 @@ def test_all_three_agree(
     st.sampled_from(["", " capacity 3", " capacity 5"]),
     st.sampled_from([run_pairs.SETS, ("objects", "objects")]),
     st.lists(run_pairs.paired(), min_size=RULES // 2, max_size=RULES // 2),
-    st.lists(run_pairs.runs(), min_size=8, max_size=8),
+    st.lists(run_pairs.runs(), min_size=RUNS, max_size=RUNS),
 )
 @_SETTINGS
 def test_pairs_of_elements(
@@ -145,7 +147,7 @@ def test_long_runs_wrap_all_rings() -> None:
     st.lists(formulas(False, False, 1), min_size=4, max_size=4),
     st.lists(formulas(True, False, 1), min_size=4, max_size=4),
     st.lists(formulas(), min_size=RULES, max_size=RULES),
-    st.lists(runs(), min_size=8, max_size=8),
+    st.lists(runs(), min_size=RUNS, max_size=RUNS),
 )
 @_SETTINGS
 def test_machines(

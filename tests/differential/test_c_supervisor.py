@@ -19,7 +19,7 @@ import pytest
 import trackmarshal as tm
 from support import tape
 from support.cycles import PERIOD, cycle, not_finite
-from support.length import shared_out
+from support.length import amount, shared_out
 from support.pairs import Pair, Readings, agree, declared, generated, spec_with
 from support.sanitized import FLAGS as SANITIZED
 from support.shared import REPOSITORY, SUPERVISOR
@@ -45,8 +45,8 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 FOLDER = REPOSITORY / "specs" / "scenarios"
 RECORDINGS = sorted(path.name for path in FOLDER.glob("*.tmrec.jsonl*"))
 #: TRACKMARSHAL_RUNS=10000 has so many generated runs of 50 cycles.
-RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "16"))
-PARTS = 8
+RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "8"))
+PARTS = amount(4, 8)
 
 
 @cache
@@ -66,7 +66,7 @@ def boxed(name: str) -> tuple[Recording, Rulebox]:
 
 
 @pytest.mark.verifies("S-1-B-1")
-@pytest.mark.parametrize(("name", "limits"), shared_out(product(RECORDINGS, ("driven", "open_loop")), 3))
+@pytest.mark.parametrize(("name", "limits"), shared_out(product(RECORDINGS, ("driven", "open_loop")), 5))
 def test_shipped_scenarios(name: str, limits: str) -> None:
     recording, box = boxed(name)
     free = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
@@ -130,7 +130,7 @@ def bench() -> tuple[Bench, list[Beside]]:
 
 
 @pytest.mark.verifies("S-1-B-1")
-@pytest.mark.parametrize("fault", shared_out(PUT_IN, 3), ids=lambda fault: fault.id)
+@pytest.mark.parametrize("fault", shared_out(PUT_IN, 5), ids=lambda fault: fault.id)
 def test_injected_faults(fault: Fault) -> None:
     made, beside = bench()
     beside.clear()

@@ -18,8 +18,8 @@ from trackmarshal.evaluation import Evaluator
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 #: A tenth of those of the Supervisor whose rules remember nothing: each takes three times as long.
-RUNS = max(amount(4, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 10)
-PARTS = amount(2, 4)
+RUNS = max(amount(2, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 10)
+PARTS = amount(1, 4)
 
 
 @cache

@@ -100,7 +100,7 @@ def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
         expected += decision_lines(recorded.step(given))
     recorded.close()
     own = tmp_path / "specs" / "supervisor"
-    made = emit(tmp_path / "out", "--process", recordings=[tmp_path / "run.arrows"], spec=own)
+    made = emit(tmp_path / "out", "--process", recordings=[tmp_path / "run.arrows"], spec=own, root=tmp_path)
     subprocess.run(["cc", *FLAGS, "-c", *[path.name for path in made.glob("*.c")]], cwd=made, check=True)
     for name, units in {
         "process": ("desk", "mailbox", "messages", "process"),
@@ -152,7 +152,7 @@ def test_rules_alone(tmp_path: Path) -> None:
         'rule c "" require count(ego.v > 1 m/s, last: 2 s) <= 3\n',
         encoding="utf-8",
     )
-    made = emit(tmp_path / "out", recordings=[], spec=spec)
+    made = emit(tmp_path / "out", recordings=[], spec=spec, root=tmp_path)
     subprocess.run(["cc", *FLAGS, "supervisor.c", "main.c", "-o", "check", "-lm"], cwd=made, check=True)
     said = subprocess.run([made / "check"], capture_output=True, text=True, check=True).stdout
     assert [line.split()[:2] for line in said.splitlines()] == [

@@ -33,7 +33,7 @@ SPECS = [
 unhurried = settings(
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-    max_examples=amount(40, 150),
+    max_examples=amount(20, 150),
 )
 
 

@@ -100,7 +100,7 @@ def results(cases: list[dict[str, Any]]) -> list[dict[str, tuple[str, float]]]:
     ]
 
 
-@settings(max_examples=amount(20, 60), deadline=None)
+@settings(max_examples=amount(10, 60), deadline=None)
 @given(
     st.lists(
         st.fixed_dictionaries({"cars": st.lists(cars(), max_size=3), "lanes": st.lists(lanes(), max_size=3)}),
@@ -112,7 +112,7 @@ def test_evaluators_agree(cases: list[dict[str, Any]]) -> None:
     results(cases)
 
 
-@settings(max_examples=amount(100, 300), deadline=None)
+@settings(max_examples=amount(50, 300), deadline=None)
 @given(cars(), lanes())
 def test_shapely_agrees(car: dict[str, float], lane: dict[str, Any]) -> None:
     (found,) = results([{"cars": [car], "lanes": [lane]}])
@@ -181,7 +181,7 @@ rule hull "made up"
     return [Evaluator(loads(text), backend=backend) for backend in ("reference", "numpy", "c")]
 
 
-@settings(max_examples=amount(35, 100), deadline=None)
+@settings(max_examples=amount(18, 100), deadline=None)
 @given(plans(), st.lists(lanes(), max_size=3))
 def test_what_is_swept(plan: dict[str, list[float]], roads: list[dict[str, Any]]) -> None:
     case = {"signals": {"plan": plan, "lanes": roads}}

@@ -80,7 +80,7 @@ def walked(s: float, start: float, end: float) -> tuple[bool, Fraction]:
     return first <= finish, min(away)
 
 
-@settings(max_examples=amount(100, 300), deadline=None)
+@settings(max_examples=amount(50, 300), deadline=None)
 @given(STATIONS, STATIONS, STATIONS)
 @example(-1e-300, 0.0, 10.0)
 @example(35.0, 30.0, 5.0)
@@ -98,7 +98,7 @@ def test_the_ring_is_walked(s: float, start: float, end: float) -> None:
     assert abs(abs(Fraction(margin)) - away) <= ROUNDING
 
 
-@settings(max_examples=amount(70, 200), deadline=None)
+@settings(max_examples=amount(35, 200), deadline=None)
 @given(st.integers(0, 39), st.integers(0, 39), st.integers(0, 39))
 def test_on_a_lap_it_is_exact(s: int, start: int, end: int) -> None:
     verdict, margin = results(float(s), float(start), float(end))["ring"]
@@ -106,7 +106,7 @@ def test_on_a_lap_it_is_exact(s: int, start: int, end: int) -> None:
     assert (verdict == "satisfied", abs(margin)) == (inside, away)
 
 
-@settings(max_examples=amount(70, 200), deadline=None)
+@settings(max_examples=amount(35, 200), deadline=None)
 @given(STATIONS, STATIONS, STATIONS)
 def test_an_open_line_has_ends(s: float, start: float, end: float) -> None:
     verdict, margin = results(s, start, end)["line"]

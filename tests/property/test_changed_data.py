@@ -437,7 +437,7 @@ def shown(read: Frame) -> str:
     return repr((columns, lines(read), read.settings.places))
 
 
-@settings(repeatable, max_examples=amount(53, 160))
+@settings(repeatable, max_examples=amount(27, 160))
 @given(st.sampled_from(list(HOLDERS)), st.lists(change, min_size=1, max_size=6))
 def test_whatever_is_changed_is_read_as_by_a_new_evaluator(
     spec: Spec, holder: str, changes: list[tuple[str, Any, Any, Any]]

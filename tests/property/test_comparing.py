@@ -47,7 +47,7 @@ def column(cells: list[tuple[tuple[str, float], tuple[str, float]]], turned: boo
 
 
 @given(cells=RUNS)
-@settings(max_examples=amount(70, 200), deadline=None)
+@settings(max_examples=amount(35, 200), deadline=None)
 def test_the_other_way_round_is_the_opposite(
     cells: list[tuple[tuple[str, float], tuple[str, float]]],
 ) -> None:
@@ -60,7 +60,7 @@ def test_the_other_way_round_is_the_opposite(
 
 
 @given(cells=RUNS)
-@settings(max_examples=amount(70, 200), deadline=None)
+@settings(max_examples=amount(35, 200), deadline=None)
 def test_the_word_is_what_it_says(cells: list[tuple[tuple[str, float], tuple[str, float]]]) -> None:
     """Cell by cell, in plain Python."""
     word = changed(RULE, RULE, [column(cells)]).word

@@ -266,7 +266,7 @@ def test_a_gap_has_one_witness() -> None:
 
 
 @given(formulas(3), st.sampled_from(sorted(PLACES)), cycles())
-@settings(max_examples=amount(40, 600), deadline=None)
+@settings(max_examples=amount(20, 600), deadline=None)
 def test_a_course_is_what_was_and_what_is_planned(formula: Any, place: str, run: list[Cycle]) -> None:
     """A cycle with a speed that is not known breaks the contract: it is judged, and refused: a part of a gap for those that follow."""
     formula = ("or", formula, ("v>", 99.0))  # so that the variable is used

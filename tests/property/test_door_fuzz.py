@@ -21,7 +21,7 @@ from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.faults import name_of
 
 #: Cycles that each of four parts mutates; `make acceptance` sets 60,000, 240,000 together.
-CYCLES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "375"))
+CYCLES = int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "190"))
 PARTS = 4
 
 

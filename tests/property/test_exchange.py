@@ -110,7 +110,7 @@ def back(documents: list[Document], format: str) -> list[Document]:
 
 @pytest.mark.parametrize("format", exchange.FORMATS)
 @given(data=st.data())
-@settings(max_examples=amount(12, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(6, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_goes_out_comes_back(format: str, data: st.DataObject) -> None:
     documents = data.draw(projects(XML if format == "reqif" else ANY))
     assert back(documents, format) == documents
@@ -118,7 +118,7 @@ def test_what_goes_out_comes_back(format: str, data: st.DataObject) -> None:
 
 
 @given(documents=projects(ANY))
-@settings(max_examples=amount(12, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(6, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_yaml_says_the_same(documents: list[Document]) -> None:
     for document in documents:
         text = exchange.yaml(document)
@@ -130,7 +130,7 @@ def test_yaml_says_the_same(documents: list[Document]) -> None:
 
 
 @given(documents=projects())
-@settings(max_examples=amount(8, 15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(4, 15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_no_cell_is_a_formula_and_every_row_is_whole(documents: list[Document]) -> None:
     rows = list(
         csv.reader(io.StringIO(exchange.export(documents, "csv", "P", NOW).decode(), newline=""), strict=True)
@@ -144,7 +144,7 @@ def test_no_cell_is_a_formula_and_every_row_is_whole(documents: list[Document]) 
     character=st.sampled_from("\x00\x01\x0b\x1f\ufffe\uffff"),
     field=st.sampled_from(["title", "statement", "foreign"]),
 )
-@settings(max_examples=amount(8, 15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(4, 15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_xml_has_no_character_for_is_refused(
     documents: list[Document], character: str, field: str
 ) -> None:
@@ -160,7 +160,7 @@ def test_what_xml_has_no_character_for_is_refused(
 
 @pytest.mark.parametrize("format", exchange.FORMATS)
 @given(data=st.data())
-@settings(max_examples=amount(12, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(6, 25), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_a_broken_file_is_refused_or_read(format: str, data: st.DataObject) -> None:
     """Cut anywhere, or with any byte changed: an error with a code, or a list of requirements, never anything else."""
     whole = exchange.export(data.draw(projects()), format, "P", NOW)

@@ -61,14 +61,14 @@ def compiled(text: str) -> None:
 
 
 @given(LASTING, formulas(ahead=False), runs())
-@settings(max_examples=amount(20, 900), deadline=None)
+@settings(max_examples=amount(10, 900), deadline=None)
 def test_both_engines_say_the_same(lasting: str, formula: str, cycles: Cycles) -> None:
     text = rule(lasting, f"require {formula}")
     assert said(text, "reference", cycles) == said(text, "numpy", cycles)
 
 
 @given(LASTING, st.sampled_from(["for all", "exists"]), bodies(), bodies(), runs())
-@settings(max_examples=amount(40, 1500), deadline=None)
+@settings(max_examples=amount(20, 1500), deadline=None)
 def test_of_elements_too(lasting: str, quantifier: str, guard: str, body: str, cycles: Cycles) -> None:
     text = rule(lasting, f"{quantifier} o in objects where {guard}\n  require {body}")
     compiled(text)
@@ -76,7 +76,7 @@ def test_of_elements_too(lasting: str, quantifier: str, guard: str, body: str, c
 
 
 @given(LASTING, bodies(), runs(), st.sets(st.integers(0, 14), min_size=1))
-@settings(max_examples=amount(20, 900), deadline=None)
+@settings(max_examples=amount(10, 900), deadline=None)
 def test_a_run_goes_on_as_if_it_had_not_stopped(
     lasting: str, body: str, cycles: Cycles, restarts: set[int]
 ) -> None:
@@ -86,7 +86,7 @@ def test_a_run_goes_on_as_if_it_had_not_stopped(
 
 
 @given(LASTING, bodies(), runs(), CUTS)
-@settings(max_examples=amount(16, 400), deadline=None)
+@settings(max_examples=amount(8, 400), deadline=None)
 def test_many_cycles_at_once_say_the_same(lasting: str, body: str, cycles: Cycles, cuts: list[int]) -> None:
     text = rule(lasting, f"for all o in objects require {body}")
     compiled(text)
@@ -99,7 +99,7 @@ def test_many_cycles_at_once_say_the_same(lasting: str, body: str, cycles: Cycle
     st.integers(0, 8),
     st.sampled_from(["reference", "numpy", "c"]),
 )
-@settings(max_examples=amount(20, 600), deadline=None)
+@settings(max_examples=amount(10, 600), deadline=None)
 def test_an_absence_is_any_way_to_fill_it(
     drawn: list[tuple[bool | None, int]], forget: int, back: int, backend: str
 ) -> None:
@@ -190,7 +190,7 @@ def test_who_finds_no_place_is_named(backend: str) -> None:
 
 
 @given(LASTING, formulas(True, ahead=False, depth=2), runs())
-@settings(max_examples=amount(16, 400), deadline=None)
+@settings(max_examples=amount(8, 400), deadline=None)
 def test_what_decided_is_found(lasting: str, body: str, cycles: Cycles) -> None:
     evaluator = Evaluator(loads(rule(lasting, f"for all o in objects require {body}")))
     kept: list[Past] = []
@@ -250,7 +250,7 @@ def test_lanes_have_a_capacity_too(backend: str) -> None:
     paired(False),
     run_pairs.runs(),
 )
-@settings(max_examples=amount(27, 900), deadline=None)
+@settings(max_examples=amount(14, 900), deadline=None)
 def test_pairs_of_elements(
     first: str, second: str, sets: tuple[str, str], guard: str, body: str, cycles: Cycles
 ) -> None:

@@ -20,7 +20,7 @@ Point = tuple[float, float]
 Pose = tuple[float, float, float]
 
 #: Of corridors on which the least of all ways is looked for.
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "33"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "16"))
 unhurried = settings(deadline=None)
 
 small = st.floats(-1.0, 1.0)

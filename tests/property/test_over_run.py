@@ -16,7 +16,7 @@ from trackmarshal.evaluation import Evaluator, loads
 
 Said = list[Any]
 #: TRACKMARSHAL_EXAMPLES=300 is the share of acceptance.
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "20"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "10"))
 
 
 def said(text: str, backend: str, cycles: list[dict[str, Any] | None]) -> Said:
@@ -72,7 +72,7 @@ def test_and_with_all_clauses(
 
 
 @given(formulas(ahead=False), runs())
-@settings(max_examples=amount(20, 50), deadline=None)
+@settings(max_examples=amount(10, 50), deadline=None)
 def test_what_looks_back_is_decided_at_once(formula: str, cycles: list[dict[str, Any] | None]) -> None:
     for one in said(rule(f"require {formula}"), "numpy", cycles)[:-1]:
         verdict, margin, about = one
@@ -87,7 +87,7 @@ def test_what_looks_back_is_decided_at_once(formula: str, cycles: list[dict[str,
     st.sampled_from(["reference", "numpy"]),
     st.integers(0, 12),
 )
-@settings(max_examples=amount(50, 150), deadline=None)
+@settings(max_examples=amount(25, 150), deadline=None)
 def test_counts_are_those_of_a_loop(
     cycles: list[tuple[bool, bool, float]], backend: str, tenths: int
 ) -> None:
@@ -123,7 +123,7 @@ def test_counts_are_those_of_a_loop(
     st.lists(st.sampled_from([True, False, None]), min_size=1, max_size=12),
     st.sampled_from(["reference", "numpy"]),
 )
-@settings(max_examples=amount(26, 80), deadline=None)
+@settings(max_examples=amount(13, 80), deadline=None)
 def test_counts_with_gaps_are_those_of_every_way_to_fill_them(
     cycles: list[bool | None], backend: str
 ) -> None:

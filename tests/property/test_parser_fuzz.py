@@ -80,7 +80,7 @@ def test_any_signs_in_a_rule(signs: str) -> None:
     answer(SourceFile("fuzz.spec", f"module m\nrule r\n  require {signs}"))
 
 
-@settings(deadline=None, max_examples=amount(60, 300))
+@settings(deadline=None, max_examples=amount(30, 300))
 @given(st.randoms(use_true_random=False), st.integers(1, 4))
 def test_a_damaged_spec(random: Random, wounds: int) -> None:
     damaged = SAMPLE

@@ -78,7 +78,7 @@ def damaged(draw: st.DrawFn) -> dict[str, bytes]:
     return files
 
 
-@settings(max_examples=amount(12, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(6, 60), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(damaged())
 def test_damaged_files_end_in_findings(files: dict[str, bytes]) -> None:
     items, tests, results, runs = Small().parts()
@@ -146,7 +146,7 @@ def reshaped(draw: st.DrawFn) -> tuple[str, Any]:
     return name, data
 
 
-@settings(max_examples=amount(27, 120), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(14, 120), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(reshaped())
 def test_the_reader_and_the_schema_agree(case: tuple[str, Any]) -> None:
     """The reader checks shapes by itself, with places; the schema says the same to others. Which methods there are, the project says, and no schema of shapes."""
@@ -160,7 +160,7 @@ def test_the_reader_and_the_schema_agree(case: tuple[str, Any]) -> None:
     assert bool(found) == bool(errors), f"reader: {[str(f) for f in found]}; schema: {errors}"
 
 
-@settings(max_examples=amount(7, 30), deadline=None)
+@settings(max_examples=amount(4, 30), deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_the_matrix_is_a_pure_function(rng: random.Random) -> None:
     """Any choice of the records, in any order, twice: the same bytes."""

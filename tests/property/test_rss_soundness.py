@@ -21,7 +21,7 @@ from trackmarshal.evaluation import Evaluator, load
 pytestmark = pytest.mark.verifies("S-1-A-2")
 
 T = sympy.Symbol("t", nonnegative=True)
-some = settings(repeatable, max_examples=amount(20, 60))
+some = settings(repeatable, max_examples=amount(10, 60))
 speeds = st.floats(0.0, 90.0)
 times = st.floats(0.0, 3.0)
 accelerations = st.floats(0.0, 10.0)

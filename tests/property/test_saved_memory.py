@@ -20,7 +20,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, Run, loads
 from trackmarshal.runtime.saving import VERSION
 
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "8"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "4"))
 Cycles = list[dict[str, Any] | None]
 
 

@@ -94,13 +94,13 @@ def check(read: Any, *arguments: Any) -> None:
 
 
 @given(mutants(ARCHIVES))
-@settings(max_examples=amount(60, 300), deadline=None)
+@settings(max_examples=amount(30, 300), deadline=None)
 def test_changed_archives(data: bytes) -> None:
     check(saa.read, data, "x.saa")
 
 
 @given(mutants([SCN.encode()]))
-@settings(max_examples=amount(40, 200), deadline=None)
+@settings(max_examples=amount(20, 200), deadline=None)
 def test_changed_texts_in_sound_archives(text: bytes) -> None:
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as packed:
@@ -187,7 +187,7 @@ def is_whole(value: Any) -> bool:
 
 
 @given(recordings())
-@settings(max_examples=amount(33, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=amount(17, 100), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_is_encoded_is_decoded(recording: Recording) -> None:
     lines = list(recording_io.encode(recording))
     copy = recording_io.decode("\n".join(lines).encode(), "x")
@@ -222,7 +222,7 @@ SAMPLE = "\n".join(
 
 
 @given(mutants([SAMPLE]))
-@settings(max_examples=amount(60, 300), deadline=None)
+@settings(max_examples=amount(30, 300), deadline=None)
 def test_changed_lines(data: bytes) -> None:
     check(recording_io.decode, data, "x.tmrec.jsonl")
 
@@ -232,7 +232,7 @@ def test_changed_lines(data: bytes) -> None:
     name=st.sampled_from(["x.gz", "x.saa", "x"]),
 )
 @settings(
-    max_examples=amount(33, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=amount(17, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_changed_files(tmp_path: Path, data: bytes, name: str) -> None:
     (tmp_path / name).write_bytes(data)
@@ -276,7 +276,7 @@ def test_the_crowded_declaration_is_sound(tmp_path: Path) -> None:
 
 @given(which=st.sampled_from(STARTS[1:]), data=st.data())
 @settings(
-    max_examples=amount(33, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=amount(17, 150), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) -> None:
     text = STARTS[0] + data.draw(mutants([which]))
@@ -287,7 +287,7 @@ def test_changed_campaigns(tmp_path: Path, which: bytes, data: st.DataObject) ->
 
 @given(scene=mutants([DECLARATION, CROWDED]), track=mutants([TRACK]), which=st.booleans())
 @settings(
-    max_examples=amount(20, 60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=amount(10, 60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which: bool) -> None:
     (tmp_path / "scenarios").mkdir(exist_ok=True)
@@ -299,7 +299,7 @@ def test_changed_declarations(tmp_path: Path, scene: bytes, track: bytes, which:
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=amount(33, 100), deadline=None)
+@settings(max_examples=amount(17, 100), deadline=None)
 def test_any_bytes(data: bytes) -> None:
     for read in (saa.read, recording_io.decode, document.read):
         found = outcome(read, data, "x")

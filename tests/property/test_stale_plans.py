@@ -19,7 +19,7 @@ from trackmarshal.supervision import supervisor
 
 pytestmark = pytest.mark.verifies("S-1-A-3")
 
-COUNT = int(os.environ.get("TRACKMARSHAL_STALE_PLANS", "1000"))
+COUNT = int(os.environ.get("TRACKMARSHAL_STALE_PLANS", "500"))
 RULES = {"stamp_match": "stamp", "place_match": "place", "heading_match": "heading", "speed_match": "speed"}
 #: Where a tolerance is exceeded by less than this, rounding decides.
 NEAR = 1e-6

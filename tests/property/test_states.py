@@ -125,7 +125,7 @@ _CYCLES = st.lists(
 
 
 @given(machines(), _CYCLES, st.sampled_from(BACKENDS))
-@settings(max_examples=amount(12, 60), deadline=None)
+@settings(max_examples=amount(6, 60), deadline=None)
 def test_one_of_the_run(machine: tuple[tuple[str, ...], list[Way]], cycles: list[Any], backend: str) -> None:
     states, ways = machine
     fields = ", ".join(f"f{number}: 1" for number in range(len(ways)))
@@ -171,7 +171,7 @@ _OF_OBJECTS = st.lists(
 
 
 @given(machines(), _OF_OBJECTS, st.sampled_from(BACKENDS))
-@settings(max_examples=amount(12, 60), deadline=None)
+@settings(max_examples=amount(6, 60), deadline=None)
 def test_one_of_each_object(
     machine: tuple[tuple[str, ...], list[Way]], cycles: list[Any], backend: str
 ) -> None:
@@ -225,7 +225,7 @@ ASKED = {
     formulas(),
     runs(),
 )
-@settings(max_examples=amount(12, 60), deadline=None)
+@settings(max_examples=amount(6, 60), deadline=None)
 def test_both_engines_say_the_same(
     guards: list[str], of_objects: list[str], formula: str, cycles: list[dict[str, Any] | None]
 ) -> None:

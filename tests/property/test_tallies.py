@@ -76,7 +76,7 @@ def raw(rows: list[tuple[int, float, bool]], others: list[float]) -> dict[str, A
 
 
 @given(cases)
-@settings(max_examples=amount(20, 300), deadline=None)
+@settings(max_examples=amount(10, 300), deadline=None)
 def test_counts_are_those_of_a_loop(given_: list[tuple[list[tuple[int, float, bool]], list[float]]]) -> None:
     for backend in ("reference", "numpy", "c"):
         evaluator = Evaluator(loads(SPEC), backend=backend)

@@ -29,7 +29,7 @@ from trackmarshal.supervision import supervisor
 pytestmark = pytest.mark.verifies("S-1-B-1")
 
 #: Cycles that `make test` hands in; `make acceptance` sets more, of which so many are enough here.
-CYCLES = min(int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "1000")), 100_000)
+CYCLES = min(int(os.environ.get("TRACKMARSHAL_FUZZ_CYCLES", "500")), 100_000)
 #: The reference sees the first of them.
 REFERENCE = max(1000, CYCLES // 20)
 LIMITS = replace(typed.LIMITS, clock_tolerance=0.5)

@@ -35,7 +35,9 @@ def compiled(text: str) -> Spec:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made.spec"
         path.write_text(text, encoding="utf-8")
-        return evaluation.load([path])
+        return evaluation.load(
+            [path], [], Path(folder)
+        )  # places are those in the folder: the same text is the same program
 
 
 def inexact(rule: RuleInfo) -> bool:

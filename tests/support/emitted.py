@@ -24,10 +24,12 @@ def emit(
     recordings: list[Path] | None = None,
     spec: Path = SUPERVISOR,
     stack: bool = False,
+    root: Path | None = None,
 ) -> Path:
     """The shipped Supervisor with all shipped scenarios, or others, written to a folder.
 
     stack: whether the report says how much of it is taken, for which gcc compiles all once more.
+    root: what places in a spec of no project are told from, so that the same rules elsewhere are the same program.
     """
     parser = argparse.ArgumentParser()
     parser.add_argument("--project")
@@ -38,7 +40,8 @@ def emit(
     for path in given:
         words += ["--cycles", str(path)]
     untaken = mock.patch("trackmarshal.backends.c.report.stack", return_value=None)
-    with contextlib.nullcontext() if stack else untaken:
+    told = mock.patch.object(verb, "optional_project", return_value=root)
+    with contextlib.nullcontext() if stack else untaken, contextlib.nullcontext() if root is None else told:
         assert verb.run(parser.parse_args(words)) == 0
     return folder
 

@@ -62,7 +62,7 @@ def explained(codes: Sequence[int], asked: list[int]) -> Any:
 
 
 @given(st.lists(st.tuples(st.integers(0, 4), _NUMBER), min_size=4, max_size=4))
-@settings(max_examples=amount(100, 300), deadline=None)
+@settings(max_examples=amount(50, 300), deadline=None)
 def test_whatever_a_program_says(said: list[tuple[int, float]]) -> None:
     codes, margins, asked = [code for code, _ in said], [margin for _, margin in said], list[int]()
     rated = Rated(bytes(codes), margins, explained(codes, asked), NEVER_DECIDE)

@@ -64,7 +64,7 @@ def test_clean_and_sanitized(written: Path, compiler: str) -> None:
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     program = written.parent / f"example_{compiler}"
-    sources = [name for name in FILES if name.endswith(".c")]
+    sources = sorted(name for name in FILES if name.endswith(".c"))
     command = [compiler, *STRICT, *SANITIZED, *sources, "-o", str(program), "-lm"]
     done = subprocess.run(command, cwd=written, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

@@ -207,7 +207,7 @@ def leaves(case: Case, top: str) -> dict[str, str]:
     return found
 
 
-@settings(max_examples=amount(20, 60), deadline=None)
+@settings(max_examples=amount(10, 60), deadline=None)
 @given(cases())
 def test_modules_fit_into_pictures_and_change_nothing(drawn: Drawn) -> None:
     case = drawn.case

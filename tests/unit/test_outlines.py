@@ -18,7 +18,7 @@ GRID = st.integers(0, 5).map(float)
 POINTS = st.lists(st.tuples(GRID, GRID), min_size=2, max_size=8).map(tuple)
 
 
-@settings(max_examples=amount(200, 500), deadline=None)
+@settings(max_examples=amount(100, 500), deadline=None)
 @given(POINTS)
 def test_zones_are_those_of_shapely(points: tuple[tuple[float, float], ...]) -> None:
     ring = [p for k, p in enumerate(points) if p != points[k - 1]]  # also the last one, where it is the first
@@ -26,13 +26,13 @@ def test_zones_are_those_of_shapely(points: tuple[tuple[float, float], ...]) -> 
     assert (problem("zone", points, repeated=False) is None) == sound
 
 
-@settings(max_examples=amount(200, 500), deadline=None)
+@settings(max_examples=amount(100, 500), deadline=None)
 @given(POINTS)
 def test_zones_are_those_that_rules_can_read(points: tuple[tuple[float, float], ...]) -> None:
     assert (problem("zone", points, repeated=False) is None) == (geometry.zone_fault(points) is None)
 
 
-@settings(max_examples=amount(200, 500), deadline=None)
+@settings(max_examples=amount(100, 500), deadline=None)
 @given(POINTS)
 def test_a_line_lies_nowhere_twice(points: tuple[tuple[float, float], ...]) -> None:
     """What it covers is as long as it is, where it may meet itself in points alone."""

@@ -228,7 +228,7 @@ def test_rules_alone_in_c(tmp_path: Path) -> None:
         'rule c "" for all l in lanes require footprint(ego, 4 m, 2 m) meets l\n',
         encoding="utf-8",
     )
-    made = emit(tmp_path / "out", recordings=[], spec=spec)
+    made = emit(tmp_path / "out", recordings=[], spec=spec, root=tmp_path)
     flags = [
         "-std=c99",
         "-O0",

@@ -264,7 +264,7 @@ def by_hand(graph: Graph, down: bool) -> dict[Key, set[Key]]:
             return reached
 
 
-@settings(max_examples=amount(40, 300), deadline=None)
+@settings(max_examples=amount(20, 300), deadline=None)
 @given(
     st.lists(
         st.tuples(st.integers(0, 7), st.integers(0, 7), st.sampled_from(["refines", "leads_to"])), max_size=20
