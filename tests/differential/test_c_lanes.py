@@ -109,7 +109,7 @@ def candidate(rng: random.Random, stops: bool) -> dict[str, Any]:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("seed", amount(range(2), range(40)))
+@pytest.mark.parametrize("seed", amount(range(1), range(40)))
 @pytest.mark.parametrize("more", ["", "capacity 3 forget 0.3 s"])
 def test_whatever_comes(more: str, seed: int) -> None:
     rng, pair, seen = random.Random(seed), Pair(evaluator(more), limits=LIMITS), Counter[str]()

@@ -18,6 +18,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from support.length import shared_out
 from support.shared import shared
 from trackmarshal.runtime import geometry as fast
 
@@ -80,7 +81,7 @@ def walked(ways: Floats) -> Floats:
     return np.stack([place.real, place.imag, heading])
 
 
-@pytest.mark.parametrize(("name", "hulls_out"), [("berlin", 139), ("modena", 0)])
+@pytest.mark.parametrize(("name", "hulls_out"), shared_out([("berlin", 139), ("modena", 0)], 2))
 def test_a_planner_that_stays_on_the_road(name: str, hulls_out: int) -> None:
     left, right, cycles = recorded(shared("data", "planner", f"{name}.tmrec.jsonl.gz"))
     corridor = fast.Corridor(left, right, closed=True)

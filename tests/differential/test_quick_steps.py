@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from support.cycles import PERIOD, cycle, mutate
+from support.length import shared_out
 from support.pairs import agree, bits
 from support.supervised import Clock, shipped
 from trackmarshal.backends.c import calling
@@ -108,7 +109,7 @@ def test_steps_that_are_safe_take_one_call() -> None:
     assert (one.quick, other.quick) == (17, 0)  # three to see that they are alike
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", shared_out(range(4), 2))
 def test_whatever_comes(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     one, other = Counted(tmp_path / "one.arrows"), slowly(tmp_path / "other.arrows")

@@ -130,7 +130,7 @@ def test_what_is_left_out_is_noticed() -> None:
 
 def test_arcs_and_clothoids_of_all_kinds_are_covered() -> None:
     generator = np.random.default_rng(1)
-    for _ in range(amount(40, 150)):
+    for _ in range(amount(20, 150)):
         length = float(generator.choice([0.05, 0.5, 2.5, 5.0, 10.0]))
         most = min(0.2, 1.2 / length)
         kappa0, kappa1 = generator.uniform(-most, most, 2) * generator.choice([1.0, 0.1])

@@ -265,7 +265,7 @@ def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -
         3 if backend == "c" else 5
     )  # C writes all its memory, a little in each step
     whole = told(run, spec, None, None)
-    for snapshot in run.snapshots[1::4]:
+    for snapshot in run.snapshots[1 :: amount(8, 4)]:
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after
 
 
@@ -498,7 +498,7 @@ def test_shipped_scenarios(
     assert len(run.snapshots) >= 3
     whole = told(run, spec, None, None)
     assert all(one[-1] == "[]" for one in whole)
-    for snapshot in run.snapshots[1 :: amount(4, 2)]:
+    for snapshot in run.snapshots[1 :: amount(8, 2)]:
         assert told(run, spec, None, snapshot) == whole[snapshot.after :], snapshot.after
 
 
