@@ -104,7 +104,7 @@ KINDS = {
     "geometry": Kind(geometry=True, one_libm=not same_trigonometry()),
     "everything": Kind("any", geometry=True, one_libm=True),
 }
-GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "50"))
+GENERATED = int(os.environ.get("TRACKMARSHAL_GENERATED", "100"))
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -134,13 +134,13 @@ def test_generated_specs_mean_the_same_to_both(name: str, capsys: pytest.Capture
     )
 
 
-@settings(repeatable, max_examples=amount(15, 60))
+@settings(repeatable, max_examples=amount(30, 60))
 @given(subjects())
 def test_drawn_specs_mean_the_same_to_both(made: Subject) -> None:
     assert not KINDS["exact"].disagreements(made, Counter())
 
 
-@settings(repeatable, max_examples=amount(10, 40))
+@settings(repeatable, max_examples=amount(20, 40))
 @given(subjects(geometry=True, inexact="any"))
 def test_drawn_specs_with_geometry_mean_the_same_to_both(made: Subject) -> None:
     assert not KINDS["everything"].disagreements(made, Counter())
