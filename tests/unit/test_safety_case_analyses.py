@@ -87,6 +87,20 @@ def test_kinds_are_in_the_language_of_the_document_and_sentences_of_the_program_
     kinds = set(re.findall(r'<tr><td data-label="Art">([^<]*)</td>', first))
     assert "Anforderung" in kinds, kinds
     assert not kinds & {"requirement", "hazard", "safety goal", "design element"}
-    ranges = re.findall(r"<span([^>]*)>[^<]*, from [^<]*, up to [^<]*</span>", page.html)
+    ranges = re.findall(r"<span([^>]*)>from [^<]* to [^<]*</span>", page.html)
     assert ranges
     assert all('lang="en"' in attributes for attributes in ranges), ranges
+
+
+def test_parameters_have_the_units_of_the_spec_everywhere(warehouse: Path) -> None:
+    spec = "module robot\n"
+    edit(
+        warehouse,
+        "specs/robot.spec",
+        spec,
+        spec + '\nparam slow : m/s = 1 km/h in [0, 1] source "concept, 3.1"\n',
+    )
+    edit(warehouse, "specs/robot.spec", "require   robot.v <= 0.3 m/s", "require   robot.v <= slow")
+    (row,) = re.findall(r'<tr id="parameter-robot-slow">(.*?)</tr>', html(warehouse).html)
+    assert "1 km/h, from 0 to 3.6 km/h" in re.sub(r"<[^>]*>", "", row)
+    assert "0.2777" not in row

@@ -173,11 +173,12 @@ def parameters(writing: Writing) -> Section:
     blocks: list[Block] = []
     nodes = writing.of_kind("parameter")
     if nodes:
+        said = _as_written(writing)
         rows = []
         for node in nodes:
             used = [n.key for n in writing.before(node.key, "uses")]
             place = (Code(str(node.place)),) if node.place else EMPTY
-            rows.append([(Code(node.id),), made(node.title), writing.refs(used), place])
+            rows.append([(Code(node.id),), said.get(node.id) or made(node.title), writing.refs(used), place])
         columns = (
             ("column.parameter", 3.0),
             ("column.value", 3.0),
@@ -197,6 +198,15 @@ def parameters(writing: Writing) -> Section:
             )
         )
     return writing.section("parameters", blocks)
+
+
+def _as_written(writing: Writing) -> Mapping[str, Line]:
+    """By parameter, its value and range as rules for readers have them, in the units of the spec: 60 km/h, where the graph counts in m/s."""
+    return {
+        one["name"]: joined([line for line in (given(one["written"]), made(one["range"])) if line])
+        for sheet in writing.given.sheets.values()
+        for one in sheet.get("formula", {}).get("parameters", ())
+    }
 
 
 __all__ = ["assumptions", "parameters", "rules"]
