@@ -104,3 +104,9 @@ def test_parameters_have_the_units_of_the_spec_everywhere(warehouse: Path) -> No
     (row,) = re.findall(r'<tr id="parameter-robot-slow">(.*?)</tr>', html(warehouse).html)
     assert "1 km/h, from 0 to 3.6 km/h" in re.sub(r"<[^>]*>", "", row)
     assert "0.2777" not in row
+
+
+def test_methods_that_requirements_name_are_not_said_to_be_none(warehouse: Path) -> None:
+    assert "verification: [test]" in (warehouse / "requirements/needs.yaml").read_text("utf-8")
+    said = html(warehouse).first
+    assert "No methods of verification are described: requirements name some" in said
