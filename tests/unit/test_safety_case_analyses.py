@@ -110,3 +110,21 @@ def test_methods_that_requirements_name_are_not_said_to_be_none(warehouse: Path)
     assert "verification: [test]" in (warehouse / "requirements/needs.yaml").read_text("utf-8")
     said = html(warehouse).first
     assert "No methods of verification are described: requirements name some" in said
+
+
+def test_indicators_and_conditions_of_the_domain_are_in_it(warehouse: Path) -> None:
+    people = warehouse / "requirements/people.yaml"
+    said = "indicators:\n  - {id: SPI-1, title: Near misses, claims: [SG-1], owner: P-1, threshold: at most 1 in 100 km, data: log of each drive}\n"
+    people.write_text(people.read_text("utf-8") + said, "utf-8")
+    edit(
+        warehouse,
+        "requirements/hazards.yaml",
+        'on foot."}',
+        'on foot.", ranges: [{quantity: robot.v, from: 0 m/s, to: 2 m/s}]}',
+    )
+    page = html(warehouse)
+    texts = " ".join(page.texts)
+    assert re.search(r"SPI-1</span>.*?SG-1</a>.*?at most 1 in", page.html)
+    assert "at most 1 in 100 km" in texts
+    assert "log of each drive" in texts
+    assert "robot.v: 0 m/s to 2 m/s" in texts

@@ -20,6 +20,21 @@ def hazards(writing: Writing) -> Section | None:
     )
     if goals:
         blocks.append(writing.named("hazards.goals", [_goal(writing, node) for node in goals]))
+    watched = writing.of_kind("indicator")
+    if watched:
+        columns = (
+            ("column.name", 3.0),
+            ("column.claim", 2.0),
+            ("column.threshold", 2.5),
+            ("column.data", 3.5),
+        )
+        blocks.append(writing.named("hazards.indicators", [writing.table(columns, (
+            [
+                (Given(node.id), Fixed(" "), Given(node.title)), writing.refs(n.key for n in writing.beyond(node.key, "indicates")),
+                written(node.attributes.get("threshold", "")), written(node.attributes.get("data", ""), node.place),
+            ]
+            for node in watched
+        ))]))  # fmt: skip
     return writing.section("hazards", blocks)
 
 
