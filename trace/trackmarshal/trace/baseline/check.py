@@ -23,11 +23,13 @@ _MADE_OF = ("rule", "assumption", "param", "table", "place", "signal")
 #: What the kinds of entries are called.
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings", "external-tests": "count of external tests",
+    "infeasible": "pair without an interface",
 }  # fmt: skip
 _PLURAL = {
     "evidence": "evidence",
     "analysis": "analyses",
     "count of external tests": "counts of external tests",
+    "pair without an interface": "pairs without an interface",
 }
 #: The codes of what is gone, and of what reads differently; T376 of hazards, goals, design, reviews and their like.
 _GONE = {

@@ -15,6 +15,7 @@ from trackmarshal.trace.case.model import (
     Fixed,
     Given,
     Line,
+    Made,
     Missing,
     Number,
     Paragraph,
@@ -195,9 +196,14 @@ def given(text: str) -> Line:
     return (Given(text),) if text else EMPTY
 
 
+def made(text: str) -> Line:
+    """What the program put together in words of its own, if anything."""
+    return (Made(text),) if text else EMPTY
+
+
 def _line(place: Place) -> str:
     """File and line: the column says nothing to a reader of paper."""
     return f"{place.file}:{place.line}" if place.line else place.file
 
 
-__all__ = ["EMPTY", "Writing", "given", "joined", "written"]
+__all__ = ["EMPTY", "Writing", "given", "joined", "made", "written"]

@@ -202,7 +202,10 @@ def _unreviewed(writing: Writing) -> Table:
     found: dict[str, list[Key]] = {}
     for key in writing.given.matrix.unreviewed:
         found.setdefault(key[0], []).append(key)
-    rows = [[(Fixed(kind),), writing.refs(keys)] for kind, keys in found.items()]
+    rows = [
+        [(Fixed(writing.words.get(f"thing.{kind}", kind)),), writing.refs(keys)]
+        for kind, keys in found.items()
+    ]
     return writing.table((("column.kind", 1.5), ("column.name", 7.5)), rows)
 
 

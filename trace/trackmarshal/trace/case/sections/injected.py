@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from trackmarshal.trace.case.charts import Cell, grid
 from trackmarshal.trace.case.model import TEXT_WIDTH, Block, Code, Figure, Fixed, Given, Line, Made, Status
-from trackmarshal.trace.case.writing import EMPTY, Writing, given
+from trackmarshal.trace.case.writing import EMPTY, Writing, given, made
 from trackmarshal.trace.graph.graph import Node
 
 #: So many points wide are the names of requirements.
@@ -40,7 +40,7 @@ def _row(writing: Writing, row: Mapping[str, str], node: Node) -> list[Line]:
     after = writing.said_number(node, "after") if "after" in node.attributes and row["by"] else None
     return [
         (Code(row["id"]), Fixed(" "), Given(row["title"])), (writing.ref(("requirement", row["requirement"])),), given(row["by"]),
-        given(row["cycle"]), (after, Fixed(" s")) if after is not None else EMPTY, given(row["driven"]),
+        given(row["cycle"]), (after, Fixed(" s")) if after is not None else EMPTY, made(row["driven"]),
         (Status(row["status"]), *((Fixed(": "), Made(row["detail"])) if row["detail"] else EMPTY)),
     ]  # fmt: skip
 

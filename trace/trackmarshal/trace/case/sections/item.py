@@ -17,6 +17,9 @@ def item(writing: Writing) -> Section | None:
         writing.part(writing.titled(node), [
             writing.facts([
                 ("label.description", written(node.attributes.get("description", ""), node.place)),
+                ("label.ranges", written("; ".join(
+                    f"{name.removeprefix('range of ')}: {said}" for name, said in node.attributes.items() if name.startswith("range of ")
+                ))),
                 ("label.source", written(node.attributes.get("source", ""))),
                 ("label.hazards", writing.refs(n.key for n in writing.before(node.key, "operates_in"))),
                 ("label.review", writing.review(node.key)),

@@ -24,7 +24,7 @@ from trackmarshal.trace.case.model import (
     Table,
     Verbatim,
 )
-from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
+from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, made, written
 from trackmarshal.trace.report.svg.boundary import picture
 
 
@@ -98,11 +98,11 @@ def _drawing(writing: Writing, drawing: Mapping[str, Any]) -> Block:
     if "none" in drawing:
         return writing.paragraph(f"drawing.none.{drawing['none']}")
     name = str(drawing["rule"])
-    made = picture(drawing, writing.words, f"boundary-{writing.anchors.get(('rule', name), name)}")
+    drawn = picture(drawing, writing.words, f"boundary-{writing.anchors.get(('rule', name), name)}")
     caption = (*writing.line("drawing.caption"), Fixed(" "), Code(str(drawing["sha"])))
-    scale = TEXT_WIDTH / made.wide
+    scale = TEXT_WIDTH / drawn.wide
     title = writing.words["drawing.name"].format(rule=name)
-    return Figure(made.svg, title, TEXT_WIDTH, made.high * scale, caption)
+    return Figure(drawn.svg, title, TEXT_WIDTH, drawn.high * scale, caption)
 
 
 def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
@@ -145,7 +145,7 @@ def _grid(writing: Writing, rows: Sequence[Sequence[str]]) -> Block:
 
 def _settings(writing: Writing, parameters: Sequence[Mapping[str, Any]]) -> Block:
     return writing.table((("column.parameter", 2.2), ("column.value", 1.6), ("column.range", 2.2), ("column.from_where", 4.0)), (
-        [(writing.ref(("parameter", one["name"])),), given(one["written"]), given(one["range"]), given(one["from"])] for one in parameters
+        [(writing.ref(("parameter", one["name"])),), given(one["written"]), made(one["range"]), made(one["from"])] for one in parameters
     ))  # fmt: skip
 
 
@@ -173,11 +173,12 @@ def parameters(writing: Writing) -> Section:
     blocks: list[Block] = []
     nodes = writing.of_kind("parameter")
     if nodes:
+        said = _as_written(writing)
         rows = []
         for node in nodes:
             used = [n.key for n in writing.before(node.key, "uses")]
             place = (Code(str(node.place)),) if node.place else EMPTY
-            rows.append([(Code(node.id),), given(node.title), writing.refs(used), place])
+            rows.append([(Code(node.id),), said.get(node.id) or made(node.title), writing.refs(used), place])
         columns = (
             ("column.parameter", 3.0),
             ("column.value", 3.0),
@@ -197,6 +198,15 @@ def parameters(writing: Writing) -> Section:
             )
         )
     return writing.section("parameters", blocks)
+
+
+def _as_written(writing: Writing) -> Mapping[str, Line]:
+    """By parameter, its value and range as rules for readers have them, in the units of the spec: 60 km/h, where the graph counts in m/s."""
+    return {
+        one["name"]: joined([line for line in (given(one["written"]), made(one["range"])) if line])
+        for sheet in writing.given.sheets.values()
+        for one in sheet.get("formula", {}).get("parameters", ())
+    }
 
 
 __all__ = ["assumptions", "parameters", "rules"]

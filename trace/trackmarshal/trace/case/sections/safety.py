@@ -20,6 +20,21 @@ def hazards(writing: Writing) -> Section | None:
     )
     if goals:
         blocks.append(writing.named("hazards.goals", [_goal(writing, node) for node in goals]))
+    watched = writing.of_kind("indicator")
+    if watched:
+        columns = (
+            ("column.name", 3.0),
+            ("column.claim", 2.0),
+            ("column.threshold", 2.5),
+            ("column.data", 3.5),
+        )
+        blocks.append(writing.named("hazards.indicators", [writing.table(columns, (
+            [
+                (Given(node.id), Fixed(" "), Given(node.title)), writing.refs(n.key for n in writing.beyond(node.key, "indicates")),
+                written(node.attributes.get("threshold", "")), written(node.attributes.get("data", ""), node.place),
+            ]
+            for node in watched
+        ))]))  # fmt: skip
     return writing.section("hazards", blocks)
 
 
@@ -30,6 +45,7 @@ def _hazard(writing: Writing, node: Node) -> Part:
         ("label.situation", written(said.get("situation", ""), node.place)),
         ("label.rated", writing.line("hazards.rated", rated=rated, asil=Given(said.get("asil", "")))),
         ("label.rationale", written(said.get("rationale", ""))),
+        ("label.source", written(said.get("source", ""))),
         ("label.arises_from", writing.refs(n.key for n in writing.beyond(node.key, "arises_from"))),
         ("label.operates_in", writing.refs(n.key for n in writing.beyond(node.key, "operates_in"))),
         (
@@ -49,6 +65,7 @@ def _goal(writing: Writing, node: Node) -> Part:
         ("label.asil", given(said.get("asil", ""))),
         ("label.safe_state", written(said.get("safe_state", ""))),
         ("label.tolerance", given(said.get("tolerance", ""))),
+        ("label.source", written(said.get("source", ""))),
         ("label.prevents", writing.refs(n.key for n in writing.beyond(node.key, "prevents"))),
         (
             "label.achieved_by",
@@ -78,10 +95,11 @@ def decomposition(writing: Writing) -> Section | None:
             [writing.titled(child), (Given(child.attributes["asil"]),), writing.refs(n.key for n in writing.beyond(child.key, "allocated_to"))]
             for child in children
         ]  # fmt: skip
+        independence = joined([_argued(writing, analysis) for analysis in argued])
         asil = writing.line("decomposition.level", asil=Given(node.attributes["asil"]))
         blocks.append(writing.part((*writing.titled(node), Fixed(" "), *asil), [
             writing.table((("column.requirement", 5.0), ("column.asil", 1.0), ("column.allocated", 3.0)), rows),
-            writing.facts([("label.independence", writing.refs(n.key for n in argued) or writing.line("decomposition.unargued"))]),
+            writing.facts([("label.independence", independence or writing.line("decomposition.unargued"))]),
         ], level=3))  # fmt: skip
     for node in analyses:
         said = node.attributes
@@ -89,11 +107,18 @@ def decomposition(writing: Writing) -> Section | None:
             ("label.method", given(said.get("method", ""))),
             ("label.examines", writing.refs(n.key for n in writing.beyond(node.key, "examines"))),
             ("label.by", writing.refs(n.key for n in writing.beyond(node.key, "made_by"))),
-            ("label.made", given(said.get("made", ""))),
+            ("label.made_so_far" if said.get("open") else "label.made", given(said.get("made", ""))),
+            ("label.open", written(said.get("open", ""), node.place)),
             ("label.document", writing.refs(n.key for n in writing.beyond(node.key, "backed_by"))),
             ("label.review", writing.review(node.key)),
         ])], node.key, level=3))  # fmt: skip
     return writing.section("decomposition", blocks)
+
+
+def _argued(writing: Writing, analysis: Node) -> Line:
+    """An analysis that argues for something; one that leaves something open argues for nothing yet, and is called so."""
+    ref: Line = (writing.ref(analysis.key),)
+    return (*ref, *writing.line("decomposition.unfinished")) if analysis.attributes.get("open") else ref
 
 
 def requirements(writing: Writing) -> Section:

@@ -104,7 +104,7 @@ def _truth(writing: Writing, run: RunSummary) -> Line:
             writing.words["truth.inside" if truth.inside else "truth.outside"],
         )
         said = joined([(Made(one),) for one in truth.violations], "; ")
-        lines.append((Given(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
+        lines.append((Made(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
     return joined(lines) or writing.line("truth.none")
 
 
