@@ -136,7 +136,7 @@ class Expressions:
 
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
-        self.found.append(TooLarge(span, "nested too deeply"))
+        self.found.append(TooLarge(span, "nested too deeply", "let fewer names, of `let` or `define`, build on each other"))
 
     def advise(self, diagnostic: Diagnostic | None) -> None:
         """Report what was found, if anything was; fail where it is an error."""
@@ -761,15 +761,13 @@ class Expressions:
 
     def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
         """Warn of a quantifier none of whose variables is mentioned below."""
-        used = {
-            node.name
-            for part in parts
-            if part is not None
-            for node in part.walk()
-            if isinstance(node, ast.Name)
-        }
-        if used.isdisjoint(names):
+        if all(names_in(part).isdisjoint(names) for part in parts if part is not None):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
+
+
+def names_in(part: Node) -> set[str]:
+    """The names that are mentioned in a part of a declaration."""
+    return {node.name for node in part.walk() if isinstance(node, ast.Name)}
 
 
 #: How numbers of many are written.
