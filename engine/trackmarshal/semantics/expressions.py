@@ -136,7 +136,9 @@ class Expressions:
 
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
-        self.found.append(TooLarge(span, "nested too deeply", "let fewer names, of `let` or `define`, build on each other"))
+        self.found.append(
+            TooLarge(span, "nested too deeply", "let fewer names, of `let` or `define`, build on each other")
+        )
 
     def advise(self, diagnostic: Diagnostic | None) -> None:
         """Report what was found, if anything was; fail where it is an error."""

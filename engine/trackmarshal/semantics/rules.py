@@ -303,7 +303,9 @@ class RuleBuilder:
                         made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
-                        if mentions[clause.name] == (clause.name in mentioned[position]):  # by no other clause
+                        if mentions[clause.name] == (
+                            clause.name in mentioned[position]
+                        ):  # by no other clause
                             self.x.found.append(UnusedVariable(clause.span.head, clause.name))
                         value = self.x.value(clause.value, ctx)
                         ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
