@@ -343,13 +343,13 @@ class Expressions:
             if expr.name in ("left", "right") and calls.is_lane(value):
                 return typed.LaneSide(value, expr.name, span)
             if expr.name not in value.shape:
-                hint = close_matches(expr.name, value.shape)
+                known = [*(("left", "right") if calls.is_lane(value) else ()), *value.shape]
+                hint = close_matches(expr.name, known)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:
                     hint = "the definition asks for a shape without it"
                 elif not hint:
                     hint = "only what a signal's declaration lists can be read"
-                listed = ", ".join(value.shape)
-                self.fail(UnknownField(span, record_spoken(value), expr.name, listed, hint))
+                self.fail(UnknownField(span, record_spoken(value), expr.name, ", ".join(known), hint))
             dimension = value.shape[expr.name]
             if dimension is None:
                 return typed.BooleanField(value, expr.name, span)
