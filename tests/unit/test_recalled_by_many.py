@@ -73,3 +73,33 @@ def test_as_the_reference(values: list[float]) -> None:
                 seen.add(wanted.verdict)
     assert seen >= {"satisfied", "violated"}
     assert ("undefined" in seen) == any(not v > 0 for v in values)
+
+
+OF_THE_RUN_ALONE = """module m
+signal ego : state { x: m, v: m/s }
+signal objects : set of object { x: m }
+state near : { no, final yes } for each o in objects starts no
+  becomes yes from no when o.x - ego.x < 10 m
+    remember entry = ego.v
+rule f "" for all o in objects where near(o) is yes
+  require ego.v <= near(o).entry - 1 m/s
+"""
+
+
+@pytest.mark.parametrize("size", [1, 3])
+def test_what_asks_for_nothing_else_of_the_element_has_a_value_of_it(size: int) -> None:
+    spec = loads(OF_THE_RUN_ALONE)
+    node = _recalling(spec)
+    (kept,) = recalled(node)
+    objects = [{"id": "a", "x": 5.0}, {"id": "b", "x": 50.0}]
+    frames = [
+        Evaluator(spec).read(
+            {"id": k, "t": 0.1 * k, "signals": {"ego": {"x": 0.0, "v": 4.0 + k}, "objects": objects}}
+        )
+        for k in range(size)
+    ]
+    run = NumpyProgram(spec, [], tuple(leaves(spec.rules[0].formula))).run(frames)  # type: ignore[arg-type]
+    for index, frame in enumerate(frames):
+        for place in range(2):
+            wanted = Reference(spec, frame).recalled(node, {0: place}, {kept: 6.0})
+            assert repr(CaseView(run, index).recalled(node, {0: place}, {kept: 6.0})) == repr(wanted)

@@ -118,3 +118,20 @@ def test_a_name_that_is_broken_in_a_used_module_is_not_reported_again(tmp_path: 
     (tmp_path / "parts.spec").write_text("module parts\nparam width : m == 2 m\nrulee odd\n")
     content = 'use parts\nsignal ego : state { x: m }\nrule r "r"\n  require ego.x < width\n'
     assert codes(compiled(tmp_path, content)) == ["E101", "E103"]
+
+
+@pytest.mark.parametrize(("count", "found"), [(200, []), (400, ["E221"]), (2000, ["E221"])])
+def test_a_chain_of_lets_is_as_deep_as_everybody_can_go(tmp_path: Path, count: int, found: list[str]) -> None:
+    from trackmarshal.evaluation import BACKENDS, Evaluator
+
+    chain = "".join(f"  let y{i} = y{i - 1} + 1 m\n" for i in range(1, count))
+    content = f'signal ego : state {{ x: m }}\nrule deep "deep"\n  let y0 = ego.x\n{chain}  require y{count - 1} < 7 m\n'
+    result = compiled(tmp_path, content)
+    assert codes(result) == found
+    if found:
+        assert result.found[0].span.text == 'rule deep "deep"'
+        return
+    for backend in BACKENDS:
+        evaluator = Evaluator(result.spec, backend=backend)
+        (one,) = evaluator.evaluate([evaluator.read({"t": 0.0, "signals": {"ego": {"x": 1.0}}})])
+        assert one.rules["deep"].margin == 6.0 - count + 1

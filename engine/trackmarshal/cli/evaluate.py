@@ -16,7 +16,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import about_json, dump, rule_json, say, table
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from trackmarshal.runs import Frames
     from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
+
+#: The number of a line, the id that it has, and its case, or what is wrong with it.
+Numbered: TypeAlias = "tuple[int, object, Frame | TrackmarshalError]"
 
 #: The longest line of data that is read, in characters.
 MAX_LINE = 400_000_000
@@ -86,9 +89,9 @@ def run(args: argparse.Namespace) -> int:
         return _run(evaluator, args)
     refuse_over_run(evaluator, "give the cycles of one run with --run, or choose other rules with --rule")
     status = 0
-    pending: list[tuple[object, Frame | TrackmarshalError]] = []
+    pending: list[Numbered] = []
     read = 0
-    for read, item in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+    for read, item in enumerate(_numbered(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == CHUNK:
             status = max(status, _flush(pending, evaluator, args))
@@ -115,10 +118,10 @@ def _run(evaluator: Evaluator, args: argparse.Namespace) -> int:
     from trackmarshal.runs import Frames
 
     status, read = 0, 0
-    pending: list[tuple[object, Frame | TrackmarshalError]] = []
+    pending: list[Numbered] = []
     going = _Cycles(evaluator) if _in_step(evaluator, args.data) else Frames(evaluator)
     many = 1 if isinstance(going, _Cycles) else CHUNK
-    for read, item in enumerate(read_cases(args.data, evaluator), start=1):  # noqa: B007 - counted
+    for read, item in enumerate(_numbered(args.data, evaluator), start=1):  # noqa: B007 - counted
         pending.append(item)
         if len(pending) == many:
             status = max(status, _flush_run(pending, going, args))
@@ -163,18 +166,17 @@ class _Cycles:
             return error
 
 
-def _flush_run(
-    pending: list[tuple[object, Frame | TrackmarshalError]], going: _Cycles | Frames, args: argparse.Namespace
-) -> int:
+def _flush_run(pending: list[Numbered], going: _Cycles | Frames, args: argparse.Namespace) -> int:
     """Evaluate and print some cycles; 2 when one could not be read, 1 when one is not safe, else 0."""
     status = 0
-    for (identity, _), result in zip(pending, going.step([case for _, case in pending])):
+    for (line, identity, _), result in zip(pending, going.step([case for *_, case in pending])):
+        called = line if identity is None else identity
         if isinstance(result, TrackmarshalError):
-            result.file = result.file or args.data
+            result.file, result.line = result.file or args.data, result.line or line
             status = 2
-            say(*_error_lines(identity, result, args.format))
+            say(*_error_lines(called, result, args.format))
         else:
-            say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+            say(*([_json_line(result)] if args.format == "jsonl" else _text(result, called)))
             status = max(status, 0 if result.safe else 1)
     return status
 
@@ -201,6 +203,12 @@ def declared_within(spec: Spec, project: Path | None) -> frozenset[str]:
 
 def read_cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
     """Every line's id and case, or what is wrong with the line."""
+    for line_number, identity, case in _numbered(path, evaluator):
+        yield line_number if identity is None and isinstance(case, TrackmarshalError) else identity, case
+
+
+def _numbered(path: str, evaluator: Evaluator) -> Iterator[Numbered]:
+    """The same, with the number of the line, and no id where the line has none."""
     for line_number, line in enumerate(_lines(path), start=1):
         if not line.strip():
             continue
@@ -208,10 +216,10 @@ def read_cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame 
         try:
             raw = _parse(line)
             identity = _identity(raw)
-            yield identity, evaluator.read(raw)
+            yield line_number, identity, evaluator.read(raw)
         except TrackmarshalError as error:
             error.file, error.line = path, line_number
-            yield identity if identity is not None else line_number, error
+            yield line_number, identity, error
 
 
 def _identity(raw: object) -> object:
@@ -226,7 +234,7 @@ def _identity(raw: object) -> object:
 
 def _parse(line: bytes) -> Any:
     try:
-        return json.loads(line.decode("utf-8-sig"), object_pairs_hook=_object)
+        return json.loads(line.decode("utf-8-sig").rstrip("\r\n"), object_pairs_hook=_object)
     except UnicodeDecodeError as error:
         message = f"byte {line[error.start]:#04x} in column {error.start + 1} is not UTF-8"
         raise TrackmarshalError("D101", message, help="save the data as UTF-8") from error
@@ -236,7 +244,7 @@ def _parse(line: bytes) -> Any:
         ) from error
     except json.JSONDecodeError as error:
         raise TrackmarshalError(
-            "D101", f"not JSON: {error.msg}, in column {error.colno}", help=_HELP
+            "D101", f"not JSON: {error.msg}, in column {error.pos + 1}", help=_HELP
         ) from error
     except ValueError as error:  # Python refuses whole numbers of thousands of digits
         raise TrackmarshalError("D101", "a number has too many digits", help="write it as 1.5e9") from error
@@ -271,21 +279,22 @@ def _lines(path: str) -> Iterator[bytes]:
 
 
 def _flush(
-    pending: list[tuple[object, Frame | TrackmarshalError]],
+    pending: list[Numbered],
     evaluator: Evaluator,
     args: argparse.Namespace,
 ) -> int:
     """Evaluate and print a chunk; 2 when a line could not be read, 1 when a case is not safe, else 0."""
-    cases = [case for _, case in pending if not isinstance(case, TrackmarshalError)]
+    cases = [case for *_, case in pending if not isinstance(case, TrackmarshalError)]
     results = iter(evaluator.evaluate(cases, args.series))
     status = 0
-    for identity, case in pending:
+    for line, identity, case in pending:
+        called = line if identity is None else identity
         if isinstance(case, TrackmarshalError):
             status = 2
-            say(*_error_lines(identity, case, args.format))
+            say(*_error_lines(called, case, args.format))
         else:
             result = next(results)
-            say(*([_json_line(result)] if args.format == "jsonl" else _text(result)))
+            say(*([_json_line(result)] if args.format == "jsonl" else _text(result, called)))
             status = max(status, 0 if result.safe else 1)
     return status
 
@@ -311,7 +320,7 @@ def _json_line(result: CaseResult) -> str:
     return dump(line)
 
 
-def _text(result: CaseResult) -> list[str]:
+def _text(result: CaseResult, identity: object) -> list[str]:
     rows = []
     for name, rule in result.rules.items():
         where = (
@@ -323,7 +332,7 @@ def _text(result: CaseResult) -> list[str]:
         called = f"{name} (advisory)" if rule.advisory else name
         rows.append([called, rule.verdict, margin, "" if margin.startswith(si) else si, where, span])
     lines = [
-        f"case {result.id}: {'safe' if result.safe else 'UNSAFE'}",
+        f"case {identity}: {'safe' if result.safe else 'UNSAFE'}",
         *table(rows, ["rule", "verdict", "margin", "in SI", "at", "decided by"]),
     ]
     lines += [f"input: {fault}" for fault in result.faults]

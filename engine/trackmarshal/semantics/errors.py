@@ -504,7 +504,7 @@ class TooLarge(Diagnostic):
     code = "E221"
     title = "a formula that is too large"
     text = "written out, this is {size}"
-    remedy = "let fewer definitions build on each other"
+    remedy = "{hint}"
     explanation = (
         "Definitions are written out where they are used. A chain of definitions of which each uses the one before twice doubles with "
         "every link; a bound keeps every pass and every evaluation predictable."
@@ -512,6 +512,7 @@ class TooLarge(Diagnostic):
 
     span: Span
     size: str
+    hint: str = "let fewer definitions build on each other"
 
 
 class DimensionMismatch(Diagnostic):

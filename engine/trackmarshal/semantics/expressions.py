@@ -136,7 +136,9 @@ class Expressions:
 
     def too_deep(self, span: Span) -> None:
         """Report what exhausted the stack: expressions may be deep, and definitions too, but not both."""
-        self.found.append(TooLarge(span, "nested too deeply"))
+        self.found.append(
+            TooLarge(span, "nested too deeply", "let fewer names, of `let` or `define`, build on each other")
+        )
 
     def advise(self, diagnostic: Diagnostic | None) -> None:
         """Report what was found, if anything was; fail where it is an error."""
@@ -341,13 +343,13 @@ class Expressions:
             if expr.name in ("left", "right") and calls.is_lane(value):
                 return typed.LaneSide(value, expr.name, span)
             if expr.name not in value.shape:
-                hint = close_matches(expr.name, value.shape)
+                known = [*(("left", "right") if calls.is_lane(value) else ()), *value.shape]
+                hint = close_matches(expr.name, known)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:
                     hint = "the definition asks for a shape without it"
                 elif not hint:
                     hint = "only what a signal's declaration lists can be read"
-                listed = ", ".join(value.shape)
-                self.fail(UnknownField(span, record_spoken(value), expr.name, listed, hint))
+                self.fail(UnknownField(span, record_spoken(value), expr.name, ", ".join(known), hint))
             dimension = value.shape[expr.name]
             if dimension is None:
                 return typed.BooleanField(value, expr.name, span)
@@ -761,15 +763,13 @@ class Expressions:
 
     def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
         """Warn of a quantifier none of whose variables is mentioned below."""
-        used = {
-            node.name
-            for part in parts
-            if part is not None
-            for node in part.walk()
-            if isinstance(node, ast.Name)
-        }
-        if used.isdisjoint(names):
+        if all(names_in(part).isdisjoint(names) for part in parts if part is not None):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
+
+
+def names_in(part: Node) -> set[str]:
+    """The names that are mentioned in a part of a declaration."""
+    return {node.name for node in part.walk() if isinstance(node, ast.Name)}
 
 
 #: How numbers of many are written.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections import Counter
 from typing import Literal
 
 from trackmarshal import typed
@@ -24,7 +25,7 @@ from trackmarshal.semantics.errors import (
     UnknownReference,
     UnusedVariable,
 )  # fmt: skip
-from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
+from trackmarshal.semantics.expressions import Context, Expressions, any_timeline, names_in
 from trackmarshal.semantics.overrun import misused
 from trackmarshal.semantics.vacuity import vacuous
 from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
@@ -40,6 +41,10 @@ _KEYWORDS: tuple[Literal["require", "monitor"], ...] = ("require", "monitor")
 _SCENE = (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.WithinTime)
 
 
+#: So many levels of a rule's core every pass and every evaluator can go down, the stack of whoever calls them counted.
+MOST_LEVELS = 300
+
+
 class RuleBuilder:
     """Turns one declaration into a RuleInfo; what is wrong goes to the expressions' diagnostics."""
 
@@ -50,6 +55,13 @@ class RuleBuilder:
 
     def build(self, item: ast.Rule | ast.Assume, assumptions: set[str]) -> RuleInfo | None:
         """The rule; None where an error keeps it from having a meaning."""
+        try:
+            return self._built(item, assumptions)
+        except RecursionError:  # no clause is deep, and what a chain of `let` comes to is
+            self.x.too_deep(item.span.head)
+            return None
+
+    def _built(self, item: ast.Rule | ast.Assume, assumptions: set[str]) -> RuleInfo | None:
         kind = "rule" if isinstance(item, ast.Rule) else "assume"
         before = len(self.x.found)
         self._placement(item, kind)
@@ -102,6 +114,9 @@ class RuleBuilder:
         core: Lowered | None = None
         if rule is not None and not any(d.level == "error" for d in self.x.found[before:]):
             core = lower_rule(rule, self.interner)
+            if _is_deeper(core.formula, MOST_LEVELS):
+                self.x.too_deep(item.span.head)
+                return None
             self.x.found += vacuous(core, rule, self.x.bounds)
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
@@ -252,6 +267,9 @@ class RuleBuilder:
         ctx, failed = self.ctx, False
         quantifier: typed.ForEach | None = None
         clauses = [c for c in item.clauses if isinstance(c, (*_SCENE, ast.Require))]
+        mentioned = [names_in(clause) for clause in clauses]
+        #: By name, how many clauses mention it.
+        mentions = Counter(name for names in mentioned for name in names)
         for position, clause in enumerate(clauses):
             self.x.expansions = 0
             try:
@@ -285,8 +303,10 @@ class RuleBuilder:
                         made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
-                        others = tuple(one for one in clauses if one is not clause)
-                        self.x.check_used((clause.name,), others, clause.span.head)
+                        if mentions[clause.name] == (
+                            clause.name in mentioned[position]
+                        ):  # by no other clause
+                            self.x.found.append(UnusedVariable(clause.span.head, clause.name))
                         value = self.x.value(clause.value, ctx)
                         ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
                         made.append(typed.Let(clause.name, value, clause.span))
@@ -368,3 +388,16 @@ def _last_word(span: Span, word: str) -> Span:
 
 
 __all__ = ["SEVERITIES", "RuleBuilder", "fingerprint"]
+
+
+def _is_deeper(root: ir.Formula, most: int) -> bool:
+    """Whether more than so many nodes stand in each other; iterative, since that is what may be too much."""
+    levels: dict[ir.Num | ir.Formula, int] = {}
+    stack: list[ir.Num | ir.Formula] = [root]
+    while stack:
+        node = stack[-1]
+        below = [part for part in ir.operands(node) if part not in levels] if node not in levels else []
+        stack += below
+        if not below:
+            levels[stack.pop()] = 1 + max((levels[part] for part in ir.operands(node)), default=0)
+    return levels[root] > most

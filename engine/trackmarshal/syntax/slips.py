@@ -48,11 +48,22 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
     """What would mend an error at `start`, or the empty string; `before` is the declaration's code up to it."""
     line = before.rpartition("\n")[2]
     return (
-        _sign(text, start, found, expected)
+        _misplaced(text, start, found, before, expected)
+        or _sign(text, start, found, expected)
         or _word(found, line, expected)
         or _structure(found, before, line, expected)
         or _strange(found)
     )
+
+
+def _misplaced(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
+    """What belongs to another declaration, or to another place of this one."""
+    keyword = before.split(maxsplit=1)[0] if before.split() else ""
+    if keyword == "predicate" and text.startswith("->", start) and "EQUAL" in expected:
+        return "a predicate is a formula, and has no unit: write `=`, or `define` for a number"
+    if keyword == "signal" and found in ("in", "∈") and re.search(r"\bdefault\b[^,{}]*\Z", before):
+        return "the range of a field comes before its default: `v: m/s in [0, 20] default 0 m/s`"
+    return ""
 
 
 def _sign(text: str, start: int, found: str, expected: set[str]) -> str:

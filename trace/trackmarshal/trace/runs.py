@@ -82,7 +82,12 @@ def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
                 return Showing(
                     "partial", f"nothing fired, but the recording is {scenario.origin}, not from the field"
                 )
-            return Showing("covered", f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}")
+            idle = [entry.rule for entry in spec.facts(run).values() if not entry.number("satisfied", "violated")]
+            told = f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}"
+            if idle:
+                some = ", ".join(f"`{rule}`" for rule in sorted(idle)[:3]) + ", ..." * (len(idle) > 3)
+                return Showing("partial", f"{told}, but {len(idle)} rules were not evaluated in it: {some}")
+            return Showing("covered", told)
         case "fire":
             quiet = _quiet(scenario, run)
             return (

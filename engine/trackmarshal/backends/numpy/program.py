@@ -92,7 +92,7 @@ class NumpyProgram(Stateless):
         """The program of one formula about numbers that state machines keep."""
         made = self._recalling.get(node)
         if made is None:
-            made = self._recalling[node] = NumpyProgram(self.spec, [], [node])
+            made = self._recalling[node] = NumpyProgram(self.spec, [], [node], self.code.rank)
         return made
 
     def alone(self, node: ir.Formula) -> NumpyProgram:

@@ -35,7 +35,7 @@ def _one(name: str, field: Field, values: Any, index: int) -> str:
     value = float(values[index])
     if field.kind == "bool":
         return "the value is missing"
-    shown = f"{from_si(value, field.unit)!r} {field.unit}"
+    shown = repr(from_si(value, field.unit)) + (f" {field.unit}" if field.unit != "1" else "")
     match name:
         case "not_finite":
             return (
