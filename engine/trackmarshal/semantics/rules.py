@@ -387,9 +387,6 @@ def _last_word(span: Span, word: str) -> Span:
     return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
 
 
-__all__ = ["SEVERITIES", "RuleBuilder", "fingerprint"]
-
-
 def _is_deeper(root: ir.Formula, most: int) -> bool:
     """Whether more than so many nodes stand in each other; iterative, since that is what may be too much."""
     levels: dict[ir.Num | ir.Formula, int] = {}
@@ -401,3 +398,6 @@ def _is_deeper(root: ir.Formula, most: int) -> bool:
         if not below:
             levels[stack.pop()] = 1 + max((levels[part] for part in ir.operands(node)), default=0)
     return levels[root] > most
+
+
+__all__ = ["SEVERITIES", "RuleBuilder", "fingerprint"]

@@ -82,7 +82,9 @@ def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
                 return Showing(
                     "partial", f"nothing fired, but the recording is {scenario.origin}, not from the field"
                 )
-            idle = [entry.rule for entry in spec.facts(run).values() if not entry.number("satisfied", "violated")]
+            idle = [
+                entry.rule for entry in spec.facts(run).values() if not entry.number("satisfied", "violated")
+            ]
             told = f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}"
             if idle:
                 some = ", ".join(f"`{rule}`" for rule in sorted(idle)[:3]) + ", ..." * (len(idle) > 3)
