@@ -47,3 +47,38 @@ def test_of_the_folders_that_it_names(tmp_path: Path) -> None:
         .splitlines()[-1]
         .startswith("1 passed, 1 failed")
     )
+
+
+BOTH_SIDES = """module sides
+
+signal ego : state { v: m/s }
+
+rule slow "not fast"
+  require ego.v <= 10 m/s
+
+test slow "slow"
+  given  ego = { v: 5 m/s }
+  expect satisfied
+
+test slow "on it"
+  given  ego = { v: 10 m/s }
+  expect satisfied, margin 0 m/s
+
+test slow "fast"
+  given  ego = { v: %s m/s }
+  expect violated
+"""
+
+
+def test_a_test_that_fails_covers_nothing(tmp_path: Path) -> None:
+    root = project(tmp_path, "specs/own")
+    path = root / "specs" / "own" / "sides.spec"
+    path.with_name("a.spec").unlink()
+    path.write_text(BOTH_SIDES % 11, "utf-8")
+    status, out, _ = command(root, "test")
+    assert (status, out) == (0, "3 passed, 0 failed; 1 of 1 rules covered\n")
+    path.write_text(BOTH_SIDES % 9, "utf-8")
+    status, out, _ = command(root, "test")
+    assert status == 1
+    assert "slow  3      yes     NO       yes" in out
+    assert out.endswith("2 passed, 1 failed; 0 of 1 rules covered\n")

@@ -132,7 +132,8 @@ def _shown(made: Assessment) -> Shown:
 
     sources = made.sources
     unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
-    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances)
+    failed = {(r.rule, r.title) for r in made.results if r.outcome != "passed"}
+    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances, failed)
     runs = [
         ShownRun(
             summary.scenario,

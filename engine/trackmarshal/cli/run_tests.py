@@ -47,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
     distances = _distances(project)
     outcomes = list(run_tests(compiled.spec, tests, distances=distances))
     unmoved = {(o.test.rule.name, o.test.title): o.unmoved for o in outcomes}
-    covered = coverage(compiled.spec, tests, unmoved, distances)
+    failed = {(o.test.rule.name, o.test.title) for o in outcomes if o.outcome != "passed"}
+    covered = coverage(compiled.spec, tests, unmoved, distances, failed)
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
     if args.format == "json":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -247,10 +247,12 @@ def coverage(
     tests: Iterable[PreparedTest],
     unmoved: Mapping[tuple[str, str], str] | None = None,
     distances: Distances | None = None,
+    failed: Collection[tuple[str, str]] = (),
 ) -> list[Coverage]:
     """Every rule and monitor with what its tests show, in the order of the spec.
 
-    unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same.
+    unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same. failed: those that
+    did not pass, which show nothing.
     """
     distances, unmoved = distances or Distances(), unmoved or {}
     by_rule: dict[str, list[PreparedTest]] = {}
@@ -261,10 +263,11 @@ def coverage(
         if rule.formula is None:
             continue
         own = by_rule.get(rule.name, [])
-        verdicts = {test.verdict for test in own}
+        shown = [test for test in own if (rule.name, test.title) not in failed]
+        verdicts = {test.verdict for test in shown}
         said = [
             not_on_it(test.title, *near(test, spec, distances), unmoved.get((rule.name, test.title), ""))
-            for test in own
+            for test in shown
             if near(test, spec, distances).distance
         ]
         on_it = any(not why for why in said)
