@@ -534,8 +534,7 @@ def load(path: Path, shown: str | None = None) -> ResultsFile:
     try:
         if path.stat().st_size > MAX_BYTES:
             raise _refused(f"larger than {MAX_BYTES // 1_000_000} MB")
-        data = json.loads(read_regular(path).decode("utf-8"), parse_constant=_no_constant)
-        return ResultsFile.from_json(data)
+        return ResultsFile.from_json(strict(read_regular(path)))
     except TrackmarshalError as error:
         raise TrackmarshalError("T290", error.message, file=name, help=_HELP) from error
     except OSError as error:
@@ -670,6 +669,20 @@ def _kind(value: object) -> str:
 
 def _refused(message: str) -> TrackmarshalError:
     return TrackmarshalError("T290", message, help=_HELP)
+
+
+def strict(data: bytes) -> Any:
+    """What JSON says that has no NaN, and no name twice in an object, of which readers take the one or the other; raises ValueError, RecursionError."""
+    return json.loads(data.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+
+
+def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for place, name in enumerate(names) if name in names[:place])
+        raise ValueError(f"`{twice:.60}` is there twice in one object")
+    return made
 
 
 def _no_constant(word: str) -> float:

@@ -159,11 +159,15 @@ def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_p
         (b"\xff\xfe", "not strict JSON"),
         (b'{"format": NaN}', "NaN is not strict JSON"),
         (b"[" * 100_000, "not strict JSON"),
+        (
+            b'{"items": [{"outcome": "failed", "outcome": "passed"}]}',
+            "`outcome` is there twice in one object",
+        ),
         (b"[]", "results file: an object is expected, not a list"),
         (b'{"format": "sarif"}', "its format is not `trackmarshal-results`"),
         (b'{"format": "trackmarshal-results", "version": 2}', "version 2 is newer"),
     ],
-    ids=["empty", "binary", "nan", "deep", "list", "format", "version"],
+    ids=["empty", "binary", "nan", "deep", "twice", "list", "format", "version"],
 )
 def test_what_is_no_results_file_is_refused(content: bytes, said: str, tmp_path: Path) -> None:
     path = tmp_path / "file.json"

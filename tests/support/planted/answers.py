@@ -231,6 +231,7 @@ FAULTS = [
     Fault("another reason for which a requirement is adopted", all_of(agreed(_ADOPTED), swap(R, "The campus asks for it.", "x")), "T376", "S-1"),
     Fault("a review with another hash", swap(A, "18334bd78200d831", "18334bd78200d832"), "T376", "RV-1"),
     Fault("reviewed, accepted, and the review struck", all_of(agreed(_REVIEWED), cut(A, "  - id: RV-2\n", "works:\n")), "T376", "RV-2"),
+    Fault("a baseline with two contents", remade(BASELINE, lambda data: data.replace(b'"content": {', b'"content": {}, "content": {', 1)), "T220"),
     Fault("an entry struck from the list", accepted(_off("requirement S-1"), rehash=False), "T379"),
     Fault("an entry struck from the list, its hash made again", accepted(_off("requirement S-1"), rehash=True), "T382", "S-1"),
     Fault("an entry put on the list by hand", all_of(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), accepted(_listed("hazard HZ-2"), rehash=False)), "T379"),

@@ -12,6 +12,7 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
+from trackmarshal.records import strict
 from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content, carried
 from trackmarshal.trace.findings import Finding, Place, error
@@ -133,7 +134,7 @@ def read(path: Path) -> Baseline:
     """The baseline in a file; raises OSError, ValueError or RecursionError for what is none."""
     if path.stat().st_size > MAX_BYTES:
         raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
-    return checked(json.loads(read_regular(path).decode("utf-8")))
+    return checked(strict(read_regular(path)))
 
 
 def checked(data: Any) -> Baseline:
