@@ -24,7 +24,7 @@ def test_waiting_outlasts_a_page_that_is_left(tmp_path: Path) -> None:
         page.open(first)
         page.evaluate(LEAVE)
         page.until(
-            "document.body.innerText === await new Promise((done) => setTimeout(() => done('there'), 40))"
+            "document.body?.innerText === await new Promise((done) => setTimeout(() => done('there'), 40))"
         )
         with pytest.raises(BrowserError, match="nothing"):
             page.until("nothing.at.all")
