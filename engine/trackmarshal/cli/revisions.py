@@ -109,7 +109,9 @@ def _read(
     folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
     literal = [f":(literal){path}" for path in paths]
     command = asking(project, "archive", "--format=tar", commit, "--", *literal)
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=surroundings()
+    ) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         cut = ""

@@ -14,7 +14,7 @@ from xml.parsers import expat
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
-from trackmarshal.junit.suite import Case, Suite
+from trackmarshal.junit.suite import AGAIN, Case, Suite
 from trackmarshal.records import ExternalTest
 
 #: The largest report that is read.
@@ -78,9 +78,9 @@ class _Reader:
             self._parser.Parse(data, True)
         except expat.ExpatError as error:
             message = expat.ErrorString(error.code)
-            raise _refused("T331", self._shown, f"not XML: {message}", error.lineno, _AGAIN) from error
+            raise _refused("T331", self._shown, f"not XML: {message}", error.lineno, AGAIN) from error
         except (ValueError, LookupError) as error:  # an encoding that is none
-            raise _refused("T331", self._shown, f"not XML: {error}", None, _AGAIN) from error
+            raise _refused("T331", self._shown, f"not XML: {error}", None, AGAIN) from error
         return self._tests
 
     def _document_type(self, *_: object) -> None:
@@ -98,7 +98,7 @@ class _Reader:
             self._silent += 1
         elif not parent:
             if name not in ("testsuites", "testsuite"):
-                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", _AGAIN)
+                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN)
             self._open(attributes)
         elif parent in ("testsuites", "testsuite"):
             self._in_suite(name, attributes)
@@ -115,7 +115,7 @@ class _Reader:
 
     def _in_suite(self, name: str, attributes: dict[str, str]) -> None:
         if name not in _IN_SUITE:
-            raise self._fail("T333", f"<{name}> in a suite is not known", _AGAIN)
+            raise self._fail("T333", f"<{name}> in a suite is not known", AGAIN)
         if name == "testsuite":
             self._open(attributes)
         elif name == "testcase":
@@ -189,7 +189,7 @@ class _Reader:
         try:
             suite = Suite(attributes, above, len(self._tests))
         except ValueError as error:
-            message, help_ = (*error.args, _AGAIN)[:2]
+            message, help_ = (*error.args, AGAIN)[:2]
             raise self._fail("T333", message, help_) from error
         suite.requirements += ids_in(attributes.get(VERIFIES, ""))
         self._suites.append(suite)
@@ -208,7 +208,6 @@ class _Reader:
 
 
 _TO_DO = "its suite lists more tests than it counts, as jest-junit does where there is a `test.todo`, and this one took no time: strike what is to do"
-_AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
 
 
 def _refused(code: str, shown: str, message: str, line: int | None, help_: str) -> TrackmarshalError:

@@ -39,7 +39,7 @@ _MAY_FAIL = "TEST_CASE tagged with !mayfail"
 _PYTEST = "pytest tests"
 #: When GoogleTest says that a test began that never did, in whichever time zone.
 _NEVER = re.compile(r"(1970-01-01|1969-12-31)T\d\d:(00|15|30|45):00(\.0+)?Z?")
-_AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
+AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
 _SHOULD_FAIL = "Catch2 counts a test that is tagged `[!shouldfail]` and passes as failed, and lists it as passed, and with `-w NoAssertions` one without assertions too: take the tag away, and assert something"
 _DOCTEST = (
     "doctest lists tests that took too long, and those that should fail and do not, as if they had passed",
@@ -89,15 +89,15 @@ class Suite:
         """What it says it holds and does not list, and what to do about it; empty when there is nothing."""
         said = self._said
         if said["tests"] > self.tests and not self.asserts and self._root != _PYTEST:
-            help_ = _PENDING if self._root == "Mocha Tests" else _AGAIN
+            help_ = _PENDING if self._root == "Mocha Tests" else AGAIN
             return f"the suite `{self.name}` says it has {said['tests']} tests, and lists {self.tests}", help_
         bad = said["failures"] + said["errors"]
         if bad > self.failing:
-            help_ = _SHOULD_FAIL if self.asserts else _AGAIN
+            help_ = _SHOULD_FAIL if self.asserts else AGAIN
             return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}", help_
         left_out = max(said[name] for name in _LEFT_OUT)  # some runners count the same tests in two of them
         if left_out > self.skipping:
-            help_ = _PENDING if self._root == "Mocha Tests" else _AGAIN
+            help_ = _PENDING if self._root == "Mocha Tests" else AGAIN
             message = (
                 f"the suite `{self.name}` says that {left_out} tests were skipped, and lists {self.skipping}"
             )

@@ -1,0 +1,27 @@
+"""A revision is read from the repository around the project, whichever one the environment names, as hooks of git do."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from trackmarshal.cli import revisions
+from trackmarshal.cli.git import surroundings
+
+
+def _repository(folder: Path, spec: str) -> Path:
+    folder.mkdir()
+    (folder / "a.spec").write_text(spec, "utf-8")
+    who = ("-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false")
+    for words in (("init", "-q"), ("add", "-A"), ("commit", "-qm", "first")):
+        subprocess.run(["git", *who, *words], cwd=folder, check=True, env=surroundings())
+    return folder
+
+
+def test_whatever_repository_the_environment_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own, other = (_repository(tmp_path / name, f"module {name}\n") for name in ("own", "other"))
+    monkeypatch.setenv("GIT_DIR", str(other / ".git"))
+    found = revisions.read("HEAD", own, tmp_path / "into")
+    assert [path.read_text("utf-8") for path in found.rglob("*.spec")] == ["module own\n"]
