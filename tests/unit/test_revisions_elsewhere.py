@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from trackmarshal.cli import revisions
-from trackmarshal.cli.git import surroundings
+from trackmarshal.cli.git import asking, surroundings
 
 
 def _repository(folder: Path, spec: str) -> Path:
@@ -18,6 +18,15 @@ def _repository(folder: Path, spec: str) -> Path:
     for words in (("init", "-q"), ("add", "-A"), ("commit", "-qm", "first")):
         subprocess.run(["git", *who, *words], cwd=folder, check=True, env=surroundings())
     return folder
+
+
+def test_git_has_nothing_to_add(tmp_path: Path) -> None:
+    """What it says beside its answer stands in messages."""
+    own = _repository(tmp_path / "own", "module own\n")
+    said = subprocess.run(
+        asking(own, "log", "--oneline"), capture_output=True, check=True, env=surroundings()
+    )
+    assert said.stderr == b""
 
 
 def test_whatever_repository_the_environment_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,7 +26,8 @@ def asking(folder: Path, *words: str) -> list[str]:
 def surroundings() -> dict[str, str]:
     """The environment to ask it in."""
     kept = {name: value for name, value in os.environ.items() if name not in _ELSEWHERE}
-    return {**kept, "GIT_GRAFT_FILE": os.devnull}
+    # A file that there cannot be: of one that is there, git says each time that grafts are of the past.
+    return {**kept, "GIT_GRAFT_FILE": os.path.join(os.devnull, "none")}
 
 
 __all__ = ["asking", "surroundings"]
