@@ -52,6 +52,19 @@ def test_something_fires_in_the_field(tmp_path: Path) -> None:
     assert cell(named(tmp_path, "S-4-B", FIELD), "S-4-B", fired=True)[0] == "failed"
 
 
+def test_a_rule_that_was_not_evaluated_leaves_it_in_part(tmp_path: Path) -> None:
+    """Whether the run counts nothing of it, or does not speak of it."""
+    small = named(tmp_path, "S-4-B", FIELD)
+    (run,) = (one for one in small.parts()[3] if one.scenario == FIELD)
+    first, *others = run.rules
+    idle = replace(first, counts={"driving": {"inactive": 100}})
+    status, said = cell(small, "S-4-B", rules=(idle, *others))
+    assert status == "partial"
+    assert said[0].endswith(f"but 1 rule was not evaluated in it: `{first.rule}`")
+    for rules in ((), tuple(others)):  # of a run that says nothing of a rule, nobody knows how it was with it
+        assert cell(small, "S-4-B", rules=rules)[0] == "stale"
+
+
 def test_a_recording_that_was_made_shows_it_in_part(tmp_path: Path) -> None:
     small = named(tmp_path, "S-4-B", FIELD)
     small.replace("requirements/v-model.yaml", "origin: field", "origin: synthetic")

@@ -88,7 +88,10 @@ def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
             told = f"nothing fired in {run.cycles} cycles{_kept(scenario, run, hashes)}"
             if idle:
                 some = ", ".join(f"`{rule}`" for rule in sorted(idle)[:3]) + ", ..." * (len(idle) > 3)
-                return Showing("partial", f"{told}, but {len(idle)} rules were not evaluated in it: {some}")
+                return Showing(
+                    "partial",
+                    f"{told}, but {len(idle)} {'rule was' if len(idle) == 1 else 'rules were'} not evaluated in it: {some}",
+                )
             return Showing("covered", told)
         case "fire":
             quiet = _quiet(scenario, run)
