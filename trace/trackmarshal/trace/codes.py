@@ -153,6 +153,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T378": ("nobody accepts it", "Less is demanded or shown than the baseline holds. That is accepted by a person, who is named, with a reason, and stays in the baseline's history."),
     "T379": ("the baseline was changed by hand", "The baseline keeps who accepted what, each time with the hash of all that was accepted. What it holds now has another hash than the last acceptance: it was edited, or merged by hand."),
     "T382": ("not reviewed, and not on the list", "No person has reviewed it as it is now, and it is not on the baseline's list of what nobody has reviewed: it is new, or its review fell because it reads differently. Have it reviewed by a second person; or somebody accepts by name, and for a reason, that nobody has, which puts it on the list."),
+    "T383": ("a test failed that names no requirement", "A report that is evidence lists tests that failed and name no requirement: a suite's set-up, or a test of what others rest on. They are evidence against nothing by themselves, and what they broke may be missing from the report. The exit status of the runner tells them, too."),
     **junit_codes.CODES,
     **records.CODES,
 }  # fmt: skip

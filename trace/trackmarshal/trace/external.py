@@ -158,7 +158,7 @@ def _held(root: Path, file: str) -> str:
 
 
 def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
-    """Tests of what is not demanded, that failed, that were skipped, or that ran as they are no more (T336 to T339, T216)."""
+    """Tests of what is not demanded, that failed, that were skipped, or that ran as they are no more (T336 to T339, T383, T216)."""
     counting = {str(stage.id) for stage in project.stages if "external test" in stage.counts}
     stages = {str(stage.id) for stage in project.stages}
     for entry in project.junit:
@@ -168,6 +168,7 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
             yield error("T339", message, entry.stage.place, help_, entry.path)
     skipped: dict[str, list[External]] = {}
     stale: dict[str, list[External]] = {}
+    unnamed: dict[str, list[External]] = {}
     for external in tests:
         test = external.test
         for id_ in test.requirements:
@@ -177,9 +178,11 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
                 message = f"the test `{test.name}` of `{test.suite}` verifies `{id_}`, {why}"
                 help_ = did_you_mean(id_, project.by_id) if requirement is None else ""
                 yield error("T336", message, external.place, help_, test.name)
-        if not test.requirements:
-            continue
         status, detail = verdict(test)
+        if not test.requirements:
+            if status == "failed":
+                unnamed.setdefault(test.report, []).append(external)
+            continue
         if status == "failed":
             message = f"the test `{test.name}` of `{test.suite}`: {detail}"
             yield error("T337", message, external.place, "", test.name)
@@ -193,6 +196,13 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
         reasons = dict.fromkeys(one.test.message for one in those if one.test.message)
         help_ = "; ".join(["run what they need, or take the requirement away", *list(reasons)[:3]])
         yield warning("T338", message, those[0].place, help_, those[0].test.name)
+    for report, those in unnamed.items():
+        said = "1 test" if len(those) == 1 else f"{len(those)} tests"
+        first = those[0].test
+        message = f"{said} in `{report}` failed and named no requirement: `{first.name}` of `{first.suite}`: {verdict(first)[1]}"
+        others = tuple(one.test.name for one in those[1:])
+        help_ = "tests that do name one may depend on it, or may not have begun: mend it, and run them again"
+        yield Finding("T383", "warning", message, those[0].place, help_, first.name, about=others)
     for report, those in stale.items():
         said = "1 test in `{}` is" if len(those) == 1 else f"{len(those)} tests in `{{}}` are"
         message = f"{said.format(report)} no longer what ran, which counts as not covered"

@@ -37,7 +37,7 @@ NAMES = (
 #: Kinds of nodes that have a place of their own in the document.
 PLACED = (
     "operational design domain", "subsystem", "interface", "issue", "hazard", "safety goal", "analysis", "requirement", "design element", "rule",
-    "assumption", "parameter", "scenario", "fault", "document", "stage", "tool", "malfunction", "person", "review", "waiver",
+    "assumption", "parameter", "scenario", "fault", "document", "method", "stage", "tool", "malfunction", "person", "review", "waiver",
 )  # fmt: skip
 
 

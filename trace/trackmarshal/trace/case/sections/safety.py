@@ -122,10 +122,27 @@ def _argued(writing: Writing, analysis: Node) -> Line:
 
 
 def requirements(writing: Writing) -> Section:
-    """Each requirement that is demanded, in the order of the matrix: what, why, where it comes from, what shows it."""
+    """Each requirement that is demanded, in the order of the matrix: what, why, where it comes from, what shows it; then those that are no more."""
     rows = writing.given.matrix.rows
-    blocks: list[Block] = [_requirement(writing, row) for row in rows]
-    return writing.section("requirements", blocks or [writing.missing("requirements.none")])
+    blocks: list[Block] = [_requirement(writing, row) for row in rows] or [
+        writing.missing("requirements.none")
+    ]
+    gone = [node for node in writing.of_kind("requirement") if not node.demanded]
+    if gone:
+        said = [writing.paragraph("requirements.no_more"), *(_no_more(writing, node) for node in gone)]
+        blocks.append(writing.named("requirements.obsolete", said))
+    return writing.section("requirements", blocks)
+
+
+def _no_more(writing: Writing, node: Node) -> Part:
+    """A requirement that nobody demands any longer: its id stays, and so does what it said."""
+    said = node.attributes
+    facts = [
+        ("label.statement", written(said["statement"], node.place)),
+        ("label.rationale", written(said["rationale"])),
+        ("label.source", written(said["source"])),
+    ]
+    return writing.part(writing.titled(node), [writing.facts(facts)], node.key, level=3)
 
 
 def _requirement(writing: Writing, row: Row) -> Part:
@@ -144,6 +161,10 @@ def _requirement(writing: Writing, row: Row) -> Part:
         ("label.refined_by", writing.refs(n.key for n in writing.before(key, "refines"))),
         ("label.allocated_to", writing.refs(n.key for n in writing.beyond(key, "allocated_to"))),
         ("label.verification", joined([given(way) for way in r.verification])),
+        ("label.methods", writing.refs(n.key for n in writing.beyond(key, "verified_by"))),
+        ("label.not_verified_by", joined([
+            (*((writing.ref(("method", name)),) if ("method", name) in graph.nodes else given(name)), Fixed(": "), *written(why)) for name, why in r.not_verified_by
+        ], "; ")),
         ("label.rules", writing.refs(n.key for n in writing.before(key, "satisfies")) or writing.line("requirements.no_rule")),
         ("label.waivers", writing.refs(n.key for n in writing.before(key, "excuses"))),
         ("label.stages", joined(stages) or writing.line("requirements.no_stage")),

@@ -1,21 +1,24 @@
-"""What shows it: coverage of the stages, tests, scenarios, faults, drives of real vehicles, runs in the closed loop, tests of other runners."""
+"""What shows it: coverage of the stages, methods, tests, scenarios, faults, drives of real vehicles, runs in the closed loop, tests of other runners."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from trackmarshal.records import RunSummary
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Part, Section, Status
 from trackmarshal.trace.case.sections import driven, injected, looped
-from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined
+from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES
+from trackmarshal.trace.graph.graph import Node
 from trackmarshal.trace.model import Scenario
 
 
 def verification(writing: Writing) -> Section:
     """Figures first, then what they count."""
+    methods = writing.of_kind("method")
     return writing.section("verification", [
         writing.named("verification.stages", [_coverage(writing)]),
+        *([writing.named("verification.methods", [_methods(writing, methods)])] if methods else []),
         writing.named("verification.tests", [_tests(writing)]),
         writing.named("verification.scenarios", list(_scenarios(writing))),
         writing.named("verification.field", list(driven.field(writing))),
@@ -41,6 +44,18 @@ def _coverage(writing: Writing) -> Block:
             ]
         )
     return writing.table(columns, rows)
+
+
+def _methods(writing: Writing, methods: Sequence[Node]) -> Block:
+    """How it is verified: what each method is, from which integrity level on a standard asks for it, and the requirements that it shows something about."""
+    columns = (("column.id", 1.0), ("column.title", 2.5), ("column.done", 3.5), ("column.asked_from", 1.2), ("column.from_where", 2.0), ("column.requirements", 2.0))
+    return writing.table(columns, (
+        [
+            (writing.ref(node.key),), given(node.title), written(node.attributes.get("description", ""), node.place),
+            given(node.attributes.get("highly_recommended_from", "")), written(node.attributes.get("source", "")), writing.refs(n.key for n in writing.before(node.key, "verified_by")),
+        ]
+        for node in methods
+    ), [node.key for node in methods])  # fmt: skip
 
 
 def _tests(writing: Writing) -> Block:
