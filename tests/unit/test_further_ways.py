@@ -79,6 +79,17 @@ def zigzag(v: float = 50.0, aside: float = 1.2) -> Columns:
     return columns | {"x": np.arange(40) * 3.0, "y": np.arange(40) % 2 * aside}
 
 
+def cornering(corner: float = 0.19, v: float = SPEED, step: float = 0.001, steps: int = 8) -> Columns:
+    """Round a corner in a few steps that are too short for anybody to look where they lead, the car pointing half-way all the time."""
+    way = np.concatenate([np.full(15, 2.0), np.full(steps, step), np.full(25, 2.0)])
+    leads = np.concatenate([np.zeros(15), np.linspace(0.0, corner, steps + 2)[1:-1], np.full(25, corner)])
+    s = np.concatenate([[0.0], np.cumsum(way)])
+    columns = along(s / v, s, v, 0.0)
+    columns["x"] = np.concatenate([[0.0], np.cumsum(np.cos(leads) * way)])
+    columns["y"] = np.concatenate([[0.0], np.cumsum(np.sin(leads) * way)])
+    return columns | {"heading": np.full(len(s), corner / 2)}
+
+
 def round_a_bend(columns: Columns, radius: float, middle: float) -> Columns:
     """The same on an arc to the left, from (0, middle - radius) on; the road's middle has the radius `middle` and goes through (0, 0)."""
     turned = columns["s"] / radius
@@ -159,7 +170,7 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "20 deg aside at 60 m/s": (
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (
-        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("heading_integrity", "driving")}),
+        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("corner_integrity", "driving"), ("heading_integrity", "driving")}),
     "a fallback that drives on at 40 m/s for 20 s": (
         made(steady(40.0), after(20.0, 40.0, 0.0, 8.0, 110)), {("fallback_brakes", "emergency"), ("step_length", "emergency")}),
     "a fallback that drives on where only its first sample is wet": (
@@ -168,6 +179,10 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         made(steady(samples=2, step=0.01), braking()), {("outlasts_cycle", "driving")}),
     "60 m in one step": (
         made(along([0.0, 1.2, 1.4], [0.0, 60.0, 70.0], 50.0, 0.0), braking(12.0, 50.0)), {("step_length", "driving")}),
+    "round a corner in steps of a millimetre": (
+        made(cornering(), braking(heading=0.095), {"heading": 0.095}), {("corner_integrity", "driving")}),
+    "round one with a single step of a millimetre in it": (
+        made(cornering(steps=1), braking(heading=0.095), {"heading": 0.095}), {("corner_integrity", "driving")}),
     "turning in beside a car": (
         made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 2.55, 60.0)]), {("planned_side", "driving")}),
     "into one that stands, before the next decision": (

@@ -28,9 +28,9 @@ def section(project: Path, name: str) -> str:
 def test_methods_stand_with_what_they_are_and_who_goes_by_them(shuttle: Path) -> None:
     edit(shuttle, "requirements/design.yaml", "title: proof,", "title: proof, description: by a prover that others check,")  # fmt: skip
     said = section(shuttle, "verification")
-    assert re.search(
-        r"M-3 proof ✎ by a prover that others check \S+ D ✎ project handbook S-3 ", said
-    ), said[:2000]
+    assert re.search(r"M-3 proof ✎ by a prover that others check \S+ D ✎ project handbook S-3 ", said), said[
+        :2000
+    ]
     assert re.search(r"M-1 tests on both sides of the boundary B ✎ project handbook S-1 , S-2 , S-32", said)
 
 

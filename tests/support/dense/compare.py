@@ -49,6 +49,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "acceleration_integrity": ["acceleration"],
         "pace_integrity": ["time"],
         "path_integrity": ["path turns"],
+        "corner_integrity": ["path turns"],
         # Of the forces of a step, those along it and those across.
         "speed_integrity": ["speed jumps", "friction"],
         "pose_match": ["off its path", "elsewhere"],
