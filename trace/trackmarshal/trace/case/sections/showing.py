@@ -48,7 +48,14 @@ def _coverage(writing: Writing) -> Block:
 
 def _methods(writing: Writing, methods: Sequence[Node]) -> Block:
     """How it is verified: what each method is, from which integrity level on a standard asks for it, and the requirements that it shows something about."""
-    columns = (("column.id", 1.0), ("column.title", 2.5), ("column.done", 3.5), ("column.asked_from", 1.2), ("column.from_where", 2.0), ("column.requirements", 2.0))
+    columns = (
+        ("column.id", 1.0),
+        ("column.title", 2.5),
+        ("column.done", 3.5),
+        ("column.asked_from", 1.2),
+        ("column.from_where", 2.0),
+        ("column.requirements", 2.0),
+    )
     return writing.table(columns, (
         [
             (writing.ref(node.key),), given(node.title), written(node.attributes.get("description", ""), node.place),
