@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 # As an installation has it: where Python may not keep what it compiles, every start would compile all modules again.
-COMPILE := $(BIN)/python -m compileall -q engine trace
+COMPILE := $(BIN)/python -m compileall -q -j 0 engine trace
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 
@@ -82,6 +82,7 @@ clean:
 $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed; set PYTHON=")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[dev]'
 	$(COMPILE)
+	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib  # on all cores, which pip does on one
 	touch $@

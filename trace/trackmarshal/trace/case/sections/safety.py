@@ -129,7 +129,8 @@ def requirements(writing: Writing) -> Section:
     ]
     gone = [node for node in writing.of_kind("requirement") if not node.demanded]
     if gone:
-        said = [writing.paragraph("requirements.no_more"), *(_no_more(writing, node) for node in gone)]
+        said: list[Block] = [writing.paragraph("requirements.no_more")]
+        said += [_no_more(writing, node) for node in gone]
         blocks.append(writing.named("requirements.obsolete", said))
     return writing.section("requirements", blocks)
 
