@@ -14,7 +14,7 @@ import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
 from support.decision_lines import decision_lines
 from support.emitted import emit
-from support.length import shared_out
+from support.length import AT_LENGTH, shared_out
 from support.processes import PATIENCE, Served
 from support.remembering import remembering
 from support.sanitized import FLAGS as SANITIZED
@@ -112,12 +112,13 @@ def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
     example = subprocess.run(
         [made / "example", made / "run.cycles"], capture_output=True, text=True, check=True
     )
-    command = ["cc", *FLAGS, *SANITIZED, "supervisor.c", "main.c", "cycles.c", "-o", "sanitized", "-lm"]
-    subprocess.run(command, cwd=made, check=True)
-    again = subprocess.run(
-        [made / "sanitized", made / "run.cycles"], capture_output=True, text=True, check=True
-    )
-    assert (again.stdout, again.stderr) == (example.stdout, "")
+    if AT_LENGTH:
+        command = ["cc", *FLAGS, *SANITIZED, "supervisor.c", "main.c", "cycles.c", "-o", "sanitized", "-lm"]
+        subprocess.run(command, cwd=made, check=True)
+        again = subprocess.run(
+            [made / "sanitized", made / "run.cycles"], capture_output=True, text=True, check=True
+        )
+        assert (again.stdout, again.stderr) == (example.stdout, "")
     decisions = [line.split() for line in example.stdout.splitlines() if line.startswith("decision ")]
     wanted = [line.split() for line in expected if line.startswith("decision ")]
     assert [words[:2] for words in decisions] == [words[:2] for words in wanted]

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from support.length import amount
+from support.length import amount, shared_out
 from support.read_rules import Machinery
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.evaluation import Evaluator, load
@@ -159,7 +159,7 @@ def said(evaluator: Evaluator, frame: Frame, name: str) -> tuple[RuleResult | Ab
 
 
 @pytest.mark.parametrize("expand", [False, True], ids=["called", "expanded"])
-@pytest.mark.parametrize("name", rules())
+@pytest.mark.parametrize("name", shared_out(rules(), 2))
 def test_the_printed_formula_says_what_the_reference_says(name: str, expand: bool) -> None:
     rule = spec().rule(name)
     assert rule is not None
