@@ -93,7 +93,7 @@ def names(spec: Spec) -> list[str]:
     return [rule.name for rule in spec.rules if rule.formula is not None]
 
 
-@pytest.mark.parametrize("recording", shared_out(SCENARIOS, 3), ids=name_of)
+@pytest.mark.parametrize("recording", shared_out(SCENARIOS, 5), ids=name_of)
 def test_it_decides_as_python_on_the_shipped_scenarios(recording: Path, folder: Path, spec: Spec) -> None:
     said = embedded.run(folder / "example", folder / f"{name_of(recording)}.cycles")
     assert sum(line.startswith("decision drive ") for line in said.lines) > 60

@@ -58,7 +58,7 @@ _SPECIAL: dict[str, tuple[tuple[int, ...], str]] = {
     "centre": ((1,), "1 argument (a corridor)"), "path": ((1,), "1 argument (a trajectory)"),
 }  # fmt: skip
 #: How many definitions one declaration may be made of, each counted where it is written out.
-MOST_EXPANSIONS = 20_000
+MOST_EXPANSIONS = 10_000
 #: How many definitions may be inside each other.
 DEEPEST = 50
 #: What a sample needs for what is swept along a curve.
