@@ -164,7 +164,7 @@ def _requirement(writing: Writing, row: Row) -> Part:
         ("label.verification", joined([given(way) for way in r.verification])),
         ("label.methods", writing.refs(n.key for n in writing.beyond(key, "verified_by"))),
         ("label.not_verified_by", joined([
-            (*((writing.ref(("method", name)),) if ("method", name) in graph.nodes else given(name)), Fixed(": "), *written(why)) for name, why in r.not_verified_by
+            (writing.ref(("method", name)), Fixed(": "), *written(why)) for name, why in r.not_verified_by
         ], "; ")),
         ("label.rules", writing.refs(n.key for n in writing.before(key, "satisfies")) or writing.line("requirements.no_rule")),
         ("label.waivers", writing.refs(n.key for n in writing.before(key, "excuses"))),
