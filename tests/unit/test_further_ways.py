@@ -207,7 +207,9 @@ def test_it_is_not_safe(way: str, backend: str) -> None:
     assert against(given, backend) == found
 
 
-def in_small_steps(steps: Sequence[float], count: int, across: float, v: float = SPEED) -> tuple[Columns, float]:
+def in_small_steps(
+    steps: Sequence[float], count: int, across: float, v: float = SPEED
+) -> tuple[Columns, float]:
     """A turn at so many m/s^2 in as many steps, these over and over, then straight on, the car pointing half-way all the time; and by how much it turns."""
     small = np.resize(np.asarray(steps), count)
     turns = across / v**2 * np.cumsum(small)
