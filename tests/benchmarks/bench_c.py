@@ -23,7 +23,7 @@ from measuring import by_turns, emptied, median, memory
 from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
-from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler
+from trackmarshal.backends.c.build import EXACT, FAST, SHARED, compiler, own_machine
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import Source, generate
@@ -298,7 +298,7 @@ def built(name: str) -> ctypes.CDLL:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / f"{name}.so"
         source = Path(__file__).with_name(f"{name}.c")
-        made = [*command, *EXACT, *FAST, *SHARED, "-o", str(target), str(source), "-lm"]
+        made = [*command, *EXACT, *FAST, *own_machine(), *SHARED, "-o", str(target), str(source), "-lm"]
         subprocess.run(made, check=True)
         return ctypes.CDLL(str(target))
 

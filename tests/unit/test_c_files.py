@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import re
 import shutil
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import pytest
@@ -256,6 +258,51 @@ def test_an_entry_is_compiled_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     first = build.library(one_rule().source, {})
     monkeypatch.setattr(build, "_compile", None)  # whoever calls it fails
     assert build.library(one_rule().source, {}) == first
+
+
+PROCESSOR = "processor\t: {n}\nmodel name\t: one\nflags\t\t: fpu {more}\nbogomips\t: {n}\n\n"
+WITHOUT, WITH = PROCESSOR.format(n=1, more="sse2 fma avx"), PROCESSOR.format(n=2, more="sse2 fma avx avx2")
+
+
+def test_what_another_processor_cannot_run_is_kept_apart(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of a cache that machines share, each takes what was built for the likes of it."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    told = tmp_path / "cpuinfo"
+    monkeypatch.setattr(build, "PROCESSORS", told)
+    monkeypatch.setattr(build, "_compile", lambda files, units, flags, root, name, ending: (name, flags))
+    names, flagged = {}, set()
+    for what, text in {
+        "with": WITH, "with, and without": WITH + WITHOUT, "without": WITHOUT, "without, and with": WITHOUT + WITH,
+        "arm": "processor\t: 0\nFeatures\t: fp asimd\n\n", "empty": "", "absent": None,
+    }.items():  # fmt: skip
+        told.unlink(missing_ok=True)
+        if text is not None:
+            told.write_text(text)
+        built: Any = build.library(one_rule().source, {})
+        names[what] = built[0]
+        if any(flag.startswith("-m") for flag in built[1]):
+            flagged.add(what)
+    assert flagged == {"with", "with, and without"}
+    assert len({names[what] for what in flagged}) == 1
+    assert len({names[what] for what in names.keys() - flagged}) == 1
+    assert len(set(names.values())) == 2
+
+
+@needs_compiler
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="looks for instructions of an x86")
+@pytest.mark.parametrize("flags", ["-O2 -mavx2", "-O2 -mfma", "-O3 -mfma", "-O3 -march=native"])
+def test_nothing_is_fused(flags: str, tmp_path: Path) -> None:
+    """Digits are those of each operation by itself, whatever a processor could do at once: gcc 12.2 alone took five sums of products for one each."""
+    made = source()
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    compiler = build.compiler() or []
+    command = [*compiler, *build.EXACT, *build.FAST, *flags.split(), "-S", "-o", "-", f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert len(re.findall(r"\bv?mul[sp]d\b", said)) > 500
+    assert not re.findall(r"\bvfn?m(?:add|sub)\w*", said)
 
 
 @needs_compiler
