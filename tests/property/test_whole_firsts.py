@@ -14,7 +14,7 @@ from property.test_over_run import EXAMPLES
 from property.test_whole_run import same
 from trackmarshal.backends.numpy.whole.elements import elements
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
-from trackmarshal.backends.numpy.whole.outcomes import worst
+from trackmarshal.backends.numpy.whole.outcomes import together, worst
 from trackmarshal.backends.over_run.outcome import RANK
 from trackmarshal.runtime.verdict import VERDICTS
 
@@ -110,6 +110,39 @@ def test_the_worst_of_what_is_said(said: list[Any], own: list[Any], in_order: bo
     assert [(VERDICTS[code], repr(size)) for code, size in zip(codes, margins.tolist())] == wanted
 
 
+#: Margins as comparisons have them: none of what holds is below zero, none of what does not above it.
+_SIGNED = {"violated": [-math.inf, -2.0, -1.0, 0.0], "satisfied": [0.0, 1.0, 2.0, math.inf]}
+_ANY = [-math.inf, -1.0, 0.0, 1.0, math.inf]
+
+
+@given(st.data(), st.lists(st.booleans(), min_size=1, max_size=5), st.booleans(), st.booleans())
+@settings(max_examples=20 * EXAMPLES, deadline=None)
+def test_the_worst_of_what_is_said_of_oneself_and_of_others(
+    data: st.DataObject, waits: list[bool], plain: bool, agree: bool
+) -> None:
+    """Each cycle that does not wait says something of itself, after all that is said of earlier ones."""
+    known = ["violated", "satisfied"] if plain else [name for name in RANK if name != "open"]
+
+    def one(place: int) -> tuple[int, str, float]:
+        verdict = data.draw(st.sampled_from(known))
+        drawn = data.draw(st.sampled_from(_SIGNED.get(verdict, _ANY) if agree else _ANY))
+        return place, verdict, {"undefined": math.nan, "inactive": math.inf}.get(verdict, drawn)
+
+    others = data.draw(st.lists(st.integers(0, len(waits) - 1), max_size=8))
+    said = [one(place) for place in others]
+    said += [one(place) for place, waiting in enumerate(waits) if not waiting]
+    wanted = []
+    for place, waiting in enumerate(waits):
+        each = [(name, margin) for at, name, margin in said if at == place]
+        each += [("open", math.nan)] if waiting else []
+        bad = min((name for name, _ in each), key=RANK.index)
+        wanted.append((bad, repr(min(margin for name, margin in each if name == bad))))
+    codes, margins = together(
+        np.array(waits), np.array([at for at, _, _ in said], dtype=np.intp), _codes(said), np.array([margin for _, _, margin in said])
+    )  # fmt: skip
+    assert [(VERDICTS[code], repr(margin)) for code, margin in zip(codes, margins.tolist())] == wanted
+
+
 def _codes(said: list[Any]) -> Any:
     return np.array([VERDICTS.index(one[1]) for one in said], dtype=np.uint8)
 
@@ -155,6 +188,22 @@ def test_an_operator_that_another_one_decides_earlier() -> None:
             for i, (v, w) in enumerate(rows)
         ]
         same(f'{_MODULE}rule f "" require {formula}\n', cycles, [4, 5])
+
+
+@pytest.mark.parametrize("cuts", [[], [1] * 30, [7, 16]])
+@pytest.mark.parametrize("op", ["xor", "iff"])
+@pytest.mark.parametrize("of", ["{} until[0 s, 0.3 s] ego.v > 1 m/s", "{} until[0.1 s, 0.3 s] ego.v > 1 m/s", "ego.w > -1 m/s until[0 s, 0.4 s] {}", "always[0 s, 0.3 s] {}", "eventually[0.1 s, 0.3 s] {}"])  # fmt: skip
+@pytest.mark.parametrize("missing", [(), (9, 20)])
+def test_margins_that_do_not_say_whether_it_holds(
+    of: str, op: str, missing: tuple[int, ...], cuts: list[int]
+) -> None:
+    """What `xor` denies has a margin above zero, and what `iff` allows one below."""
+    numbers = np.random.default_rng(3).normal(size=(30, 2)).round(2)
+    cycles: list[dict[str, Any] | None] = [
+        None if i in missing else {"id": i, "t": i / 10, "signals": {"ego": {"v": v, "w": w, "on": True}}}
+        for i, (v, w) in enumerate(numbers.tolist())
+    ]
+    same(f'{_MODULE}rule f "" require {of.format(f"(ego.v > 0 m/s {op} ego.w > 0 m/s)")}\n', cycles, cuts)
 
 
 _MODULE = "module m\nsignal ego : state { v: m/s, w: m/s, on: bool }\n"

@@ -20,6 +20,7 @@ from trackmarshal.backends.numpy.temporal.windows import Edge, Windows, edge_at
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import Elements, Indices, Stamps, edge_of
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
+from trackmarshal.backends.numpy.whole.outcomes import agree
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
 from trackmarshal.backends.numpy.whole.values import Bools, Floats, Pair, pairs
 from trackmarshal.ir import nodes as ir
@@ -63,6 +64,7 @@ class Looking:
         self._spans: dict[tuple[ir.Formula, int, int], Spans] = {}
         self._spread: dict[ir.Formula, Value] = {}
         self._closings: dict[ir.Formula, Indices] = {}
+        self._agreeing: dict[ir.OverRun, bool] = {}
         #: Of `until` that is all of a formula: whether it holds, in the cycle in which it is decided.
         self._holds: dict[ir.Formula, Bools] = {}
 
@@ -216,7 +218,7 @@ class Looking:
     def decided(self, node: ir.Formula, chosen: Choice, now: Indices) -> Value:
         """The values of a whole formula about some cycles, in which cycle it is decided. Of a side that has no say in that it may be anything that decides the same."""
         about = self.places[chosen]
-        if not (isinstance(node, ir.OverRun) and node.op == "until"):
+        if not (isinstance(node, ir.OverRun) and node.op == "until" and self._agree(node)):
             return self.value(node, about, now)
         if node in self._holds:
             sat = self._holds[node][chosen]
@@ -233,30 +235,28 @@ class Looking:
         return values.put(found, rest, self.value(node, about.take(rest), now.take(rest)))
 
     def _decisive(self, node: ir.OverRun, chosen: Choice, now: Indices, sat: Bools) -> Floats:
-        """The margins of `until` about some cycles: where its goal is reached now (`sat`), and where now what had to hold does not, or the window is
-        closed. No other goal says more: of those before, and of all where it fails, no margin is above zero, and of what held none is below."""
-        windows, last = self._windows(node), self._among(now)
-        of = chosen if self._elements.cycles is None else self._at[chosen]
-        first = self._at[chosen]
-        end = np.minimum(_edge_of(windows.end, of, first, windows.n), last + 1)
-        begin = np.minimum(_edge_of(windows.begin, of, first, windows.n), end)
-        inside, low, best = Levels(begin, end), *(self._spans_of(node, best, 1, MARGIN) for best in (0, 1))
-        reached = low.until(inside)
-        broken = reached if best is low else best.until(inside)
-        if node.lower:  # what has to hold until then has to on the way to the window, too
-            true = np.flatnonzero(sat)
-            before = low.all(Levels(first.take(true), begin.take(true)))
-            reached[true] = np.minimum(reached.take(true), before)
-        held = self._operand(node.operands[0])[1][1].take(last)
-        open_ = now < _at(self._closed(node), chosen)
-        found: Floats
-        if broken is reached:
-            # Where the goal is reached no margin is below zero, and where what had to hold does not, its own is not above.
-            found = np.maximum(reached, np.minimum(held, 0.0))
-            shut = np.flatnonzero(~open_)
-            found[shut] = reached.take(shut)
-        else:
-            found = np.where(sat, reached, np.where(open_, np.maximum(broken, held), broken))
+        """The margins of `until` about some cycles, of operands that agree: where its goal is reached now (`sat`), and where now what had to hold does
+        not, or the window is closed. Goals before the one that is reached have no margins above zero, nor have any where it fails; and what held until
+        then has none below: of the former all but the last is left out, of the latter what held."""
+        windows, last, first = self._windows(node), self._among(now), self._at[chosen]
+        (held, may_hold), (goal, may_be) = (
+            (low[1], best[1]) for low, best in map(self._operand, node.operands)
+        )
+        of = chosen if self._elements.cycles is None else first
+        n = windows.n
+        end = np.minimum(_edge_of(windows.end, of, first, n), last + 1)
+        begin = _edge_of(windows.begin, of, first, n)
+        found: Floats = may_hold.take(last)
+        found[np.flatnonzero(now >= _at(self._closed(node), chosen))] = -np.inf
+        fails = places_of((begin < end) > sat)
+        seen = Spans(None, may_be, MARGIN).until(Levels(begin[fails], end[fails], n))
+        found[fails] = np.maximum(found[fails], seen)
+        true = np.flatnonzero(sat)
+        found[true] = goal.take(last.take(true))
+        # What has to hold until then has to on the way to the window, too.
+        later = true.compress((last > first).take(true))
+        before = Spans(held, None, MARGIN).all(Levels(first.take(later), last.take(later), n))
+        found[later] = np.minimum(found.take(later), before)
         return found
 
     def _among(self, places: Indices) -> Indices:
@@ -298,7 +298,7 @@ class Looking:
         match node.op:
             case "next":
                 return values.constant(UNDEFINED, len(about))
-            case "always" | "eventually":
+            case "always" | "eventually" if self._agree(node):
                 # Where the present cycle decides it, no cycle before says as much.
                 times = self.times(node)
                 decided = times.false if node.op == "always" else times.true
@@ -310,7 +310,7 @@ class Looking:
                 return (
                     values.put(found, rest, self._seen(node, about[rest], now[rest])) if len(rest) else found
                 )
-            case "until":
+            case "always" | "eventually" | "until":
                 return self._seen(node, about, now)
             case _:
                 raise AssertionError(f"`{node.op}` does not look ahead")
@@ -322,9 +322,9 @@ class Looking:
         end = np.minimum(edge_at(windows.end, 0, n, n)[first], seen)
         begin = np.minimum(edge_at(windows.begin, 0, n, n)[first], seen)
         inside, before, so_far = (
-            Levels(begin, np.maximum(end, begin)),
-            Levels(first, begin),
-            Levels(first, seen),
+            Levels(begin, np.maximum(end, begin), n),
+            Levels(first, begin, n),
+            Levels(first, seen, n),
         )
 
         @cache
@@ -366,6 +366,14 @@ class Looking:
             spread = self._spread[node] = self._elements.spread(self._settled(node))
         return pairs(spread)
 
+    def _agree(self, node: ir.OverRun) -> bool:
+        """Whether the margins of what an operator is about say whether it holds, but for those of zero."""
+        known = self._agreeing.get(node)
+        if known is None:
+            sides = {id(side): side for operand in node.operands for side in self._operand(operand)}
+            known = self._agreeing[node] = all(agree(*side) for side in sides.values())
+        return known
+
     def _windows(self, node: ir.OverRun) -> Windows:
         assert node.upper is not None, "what looks ahead has a bound"
         return self._elements.ahead(node.lower or 0, node.upper)
@@ -373,6 +381,14 @@ class Looking:
     def _next(self, times: Indices) -> Indices:
         """(cycles,) of what stands in the element after each cycle; after the last one, NEVER."""
         return np.append(times, NEVER)[self._at + 1]
+
+
+def places_of(where: Bools) -> Choice:
+    """The places of some, as a slice where they are neighbours: mostly what is decided is all before something."""
+    count = int(np.count_nonzero(where))
+    begin = int(np.argmax(where)) if count else 0
+    neighbours = slice(begin, begin + count)
+    return neighbours if where[neighbours].all() else np.flatnonzero(where)
 
 
 def _at(array: Indices, chosen: Choice) -> Indices:

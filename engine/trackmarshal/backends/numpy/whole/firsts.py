@@ -36,11 +36,11 @@ class Firsts:
 
     def _after(self, holds: Bools) -> Indices:
         """(elements,): which element from each on is the first of which something holds; NEVER: none."""
+        if np.count_nonzero(holds) * FEW < 3 * len(holds):
+            return _until(holds.nonzero()[0] + 1, self._n, 1)
         if np.count_nonzero(holds[1:] != holds[:-1]) * FEW < len(holds):
             # What seldom changes: until it holds again, the place where it does.
             return np.where(holds, self._numbers, _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n))
-        if np.count_nonzero(holds) * FEW < 3 * len(holds):
-            return _until(holds.nonzero()[0] + 1, self._n, 1)
         found = np.where(holds, self._numbers, NEVER)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found

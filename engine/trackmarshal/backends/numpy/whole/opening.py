@@ -9,12 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from trackmarshal.backends.numpy.logic import Value
-from trackmarshal.backends.numpy.temporal.blocks import Choice
 from trackmarshal.backends.numpy.whole import values
-from trackmarshal.backends.numpy.whole.ahead import Looking
+from trackmarshal.backends.numpy.whole.ahead import Looking, places_of
 from trackmarshal.backends.numpy.whole.elements import Indices, Stamps, elements
 from trackmarshal.backends.numpy.whole.firsts import NEVER
-from trackmarshal.backends.numpy.whole.outcomes import OPEN, Codes, Outcome, Saying, at_once, worst
+from trackmarshal.backends.numpy.whole.outcomes import OPEN, Codes, Outcome, Saying, at_once, together
 from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
 from trackmarshal.backends.over_run.history import parts_ahead
 from trackmarshal.ir import nodes as ir
@@ -101,8 +100,10 @@ class Ahead:
         undecided = None if before is None else before.part(before.undecided)
         looked = self._looked(_joined(undecided, own.kept), False)
         begin = len(looked.first) - len(stamps)
-        here, later = self._decided(looked, begin)
-        found = worst(here, later.now - begin, later.codes, later.margins)
+        said = self._decided(looked, begin)
+        found = together(
+            looked.first[begin:] != looked.looking.places[begin:], said.now - begin, said.codes, said.margins
+        )
         if keep:
             self._keep(before, looked)
         # Worked out again where it is asked for, which is seldom: kept until then it would be as much as all else of a run.
@@ -130,16 +131,17 @@ class Ahead:
         with np.errstate(all="ignore"):
             looked = self._looked(_joined(before, own.kept), False)
             begin, final = len(looked.first) - len(own.stamps), looked.final
-            here, later = self._decided(looked, begin)
+            said = self._decided(looked, begin)
             closing = np.flatnonzero(looked.kept.pending & (final < NEVER) & (final > looked.first))
             value = looked.looking.value(self._formula, closing, final[closing])
             closed = self._said(looked, closing, value)
-        mine = np.arange(begin, len(looked.first))
+        waiting = begin + np.flatnonzero(looked.first[begin:] != looked.looking.places[begin:])
+        nothing = np.full(len(waiting), OPEN), np.full(len(waiting), np.nan)
         return _ordered(
             looked.kept.names,
             [
-                (mine, mine, *here, final[mine] == mine),
-                (later.now, *later[:1], *later[2:], final[later.about] == later.now),
+                (waiting, waiting, *nothing, np.zeros(len(waiting), dtype=bool)),
+                (said.now, said.about, said.codes, said.margins, final[said.about] == said.now),
                 (final[closing], closing, *closed, np.ones(len(closing), dtype=bool)),
             ],
         )
@@ -157,27 +159,14 @@ class Ahead:
         places = looking.places
         return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places))
 
-    def _decided(self, looked: _Looked, begin: int) -> tuple[tuple[Codes, Floats], _Decided]:
-        """What is decided in a piece that begins at a place: what each of its cycles says of itself, and what is decided later than in the very cycle.
-        What was decided before is not said again, until it is final."""
-        first, places = looked.first, looked.looking.places
-        chosen = _places((first < NEVER) & (first >= begin) & looked.kept.pending)
-        about, now = places[chosen], first[chosen]
-        codes, margins = self._said(looked, about, looked.looking.decided(self._formula, chosen, now))
-        here = now == about
-        own = np.full(len(first) - begin, OPEN), np.full(len(first) - begin, np.nan)
-        if isinstance(chosen, slice):
-            skipped = max(0, begin - chosen.start)  # those before the piece are decided later than there
-            into = slice(chosen.start + skipped - begin, max(0, chosen.stop - begin))
-            said = here[skipped:]
-            # OPEN but where it is said: in bytes, which numpy does not choose between as fast as it adds them up.
-            own[0][into] += (codes[skipped:] - OPEN) * said
-            own[1][into] = np.where(said, margins[skipped:], np.nan)
-        else:
-            at = np.flatnonzero(here)
-            own[0][about.take(at) - begin], own[1][about.take(at) - begin] = codes.take(at), margins.take(at)
-        rest = np.flatnonzero(~here)
-        return own, _Decided(about.take(rest), now.take(rest), codes.take(rest), margins.take(rest))
+    def _decided(self, looked: _Looked, begin: int) -> _Decided:
+        """What is decided in a piece that begins at a place. What was decided before is not said again, until it is final."""
+        first = looked.first
+        chosen = places_of((first < NEVER) & (first >= begin) & looked.kept.pending)
+        about, now = looked.looking.places[chosen], first[chosen]
+        return _Decided(
+            about, now, *self._said(looked, about, looked.looking.decided(self._formula, chosen, now))
+        )
 
     def _said(self, looked: _Looked, about: Indices, value: Value) -> tuple[Codes, Floats]:
         """What a value of the formula about some cycles is to the rule."""
@@ -217,14 +206,6 @@ def _ahead(formula: ir.Formula) -> Iterator[ir.OverRun]:
 def _first_of(where: Bools) -> int:
     """The first place of some; as many as there are: none."""
     return int(np.argmax(where)) if where.any() else len(where)
-
-
-def _places(where: Bools) -> Choice:
-    """The places of some, as a slice where they are neighbours: mostly what is decided is all before something."""
-    count = int(np.count_nonzero(where))
-    begin = int(np.argmax(where)) if count else 0
-    neighbours = slice(begin, begin + count)
-    return neighbours if where[neighbours].all() else np.flatnonzero(where)
 
 
 def _joined(a: _Kept | None, b: _Kept) -> _Kept:

@@ -113,6 +113,12 @@ def decided(value: Value) -> tuple[Codes, Floats]:
     return codes, margins
 
 
+def agree(holds: Bools, margins: Floats) -> bool:
+    """Whether no margin of what holds is below zero, and none of what does not above it; of `iff` and `xor` they may be."""
+    apart = np.flatnonzero((margins > 0.0) != holds)
+    return not margins.take(apart).any()
+
+
 def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
     """(cycles,): what a rule comes to that is settled in its own cycle."""
     codes, margins = decided(formula)
@@ -120,6 +126,28 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
         idle = ~pairs(active)[1][0]
         codes[idle], margins[idle] = INACTIVE, np.inf
     return codes, margins
+
+
+def together(waits: Bools, place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
+    """(cycles,): the worst of what is said in each cycle, about itself or earlier ones: in which cycle (its place), the verdict, the margin. waits:
+    (cycles,) which are open in their own cycle; of all others something is said in it."""
+    count = len(waits)
+    if count == len(place) and not waits.any():
+        return codes, margins  # each says of itself alone
+    if not (codes <= VIOLATED).all() or not agree(codes == SATISFIED, margins):
+        own = np.where(waits, OPEN, INACTIVE), np.where(waits, np.nan, np.inf)
+        return worst(own, place, codes, margins)
+    # What is violated has the lesser margins, so that the least of all is one of the worst.
+    least = np.full(count, np.inf)
+    np.minimum.at(least, place, margins)
+    violated = least < 0.0
+    if not least.all():  # a margin of zero says nothing
+        violated[place.compress(codes == VIOLATED)] = True
+    open_ = waits > violated
+    least[np.flatnonzero(open_)] = np.nan
+    found = np.add(violated, SATISFIED, dtype=np.uint8)
+    found += (OPEN - SATISFIED) * open_
+    return found, least
 
 
 def worst(own: tuple[Codes, Floats], place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:

@@ -7,26 +7,27 @@ import numpy as np
 from trackmarshal.backends.numpy.temporal.carrier import Carrier, Rows
 from trackmarshal.backends.numpy.whole.elements import Indices
 
-#: By length how many bits it has: they are looked for level by level, in bytes.
-_BITS = np.frexp(np.arange(1 << 16))[1].astype(np.uint8)
+#: By length the power of two that is the longest in it; of 0 that of 1.
+_LEVELS = np.maximum(np.frexp(np.arange(1 << 16))[1] - 1, 0).astype(np.uint8)
 
 
 class Levels:
-    """Spans by the power of two that is the longest in them: which, and where the two that cover each begin."""
+    """Spans, none of which ends before it begins, of a piece of n elements: where the two that cover each begin in a table of all spans of powers of two."""
 
-    def __init__(self, begin: Indices, end: Indices) -> None:
-        self.begin, length = begin, end - begin
-        #: Which have an element.
-        self.some = length > 0
-        self.all_some = bool(self.some.all())
+    def __init__(self, begin: Indices, end: Indices, n: int) -> None:
+        length = end - begin
         longest = int(length.max(initial=0))
-        bits = _BITS.take(length) if longest < len(_BITS) else np.frexp(length)[1].astype(np.uint8)
-        #: Each level of spans of more than one element, its spans, and where the two begin.
-        self.levels: list[tuple[int, Indices, Indices, Indices]] = []
-        for level in range(1, longest.bit_length()):
-            chosen = np.flatnonzero(bits == level + 1)
-            if len(chosen):
-                self.levels.append((level, chosen, begin.take(chosen), end.take(chosen) - (1 << level)))
+        #: Those without an element.
+        self.empty: Indices = np.flatnonzero(length == 0) if length.size and not length.all() else length[:0]
+        #: The power of two that is the longest in any.
+        self.level = max(longest.bit_length() - 1, 0)
+        self.left = self.right = begin
+        if self.level:
+            level = _LEVELS.take(length) if longest < len(_LEVELS) else np.maximum(np.frexp(length)[1] - 1, 0)
+            self.left = np.multiply(level, n, dtype=np.intp)
+            self.left += begin
+            self.right = self.left + length
+            self.right -= np.left_shift(1, level, dtype=np.intp)
 
 
 class Spans:
@@ -37,47 +38,60 @@ class Spans:
 
     def __init__(self, held: Rows | None, goal: Rows | None, carrier: Carrier) -> None:
         self.carrier = carrier
-        self._held, self._goal = [held], [goal]
+        #: (levels, elements) p and q over the spans of two to the power of each level, from each element from which there is one.
+        self._held, self._goal = (None if one is None else one[None] for one in (held, goal))
+        self._levels = 1
 
-    def _longer(self, level: int) -> tuple[Rows | None, Rows | None]:
-        """p and q over the spans of two to the power of a level, from each element from which there is one."""
-        carrier = self.carrier
-        while len(self._held) <= level:
-            step = 1 << len(self._held) - 1
-            held, goal = self._held[-1], self._goal[-1]
-            self._held.append(None if held is None else carrier.meet(held[:-step], held[step:]))
+    def _make(self, level: int) -> None:
+        """The spans up to a level."""
+        if level < self._levels:
+            return
+        held = self._held = _grown(self._held, level + 1)
+        goal = self._goal = _grown(self._goal, level + 1)
+        for above in range(self._levels, level + 1):
+            of, step = above - 1, 1 << above - 1
             if goal is not None:
-                later = goal[step:] if held is None else carrier.meet(held[:-step], goal[step:])
-                goal = carrier.join(goal[:-step], later, out=None if held is None else later)
-            self._goal.append(goal)
-        return self._held[level], self._goal[level]
+                later = (
+                    goal[of, step:] if held is None else self.carrier.meet(held[of, :-step], goal[of, step:])
+                )
+                self.carrier.join(goal[of, :-step], later, out=goal[above, :-step])
+            if held is not None:
+                self.carrier.meet(held[of, :-step], held[of, step:], out=held[above, :-step])
+        self._levels = level + 1
 
     def all(self, spans: Levels) -> Rows:
         """The least of p over each span."""
-        found = self._first(self._held[0], spans, self.carrier.top)
-        for level, chosen, left, right in spans.levels:
-            held, _ = self._longer(level)
-            assert held is not None, "nothing has to hold here"
-            found[chosen] = self.carrier.meet(held.take(left), held.take(right))
+        self._make(spans.level)
+        assert self._held is not None, "nothing has to hold here"
+        found = _looked_up(self._held, spans.left, spans)
+        if spans.level:
+            self.carrier.meet(found, _looked_up(self._held, spans.right, spans), out=found)
+        found[spans.empty] = self.carrier.top
         return found
 
     def until(self, spans: Levels) -> Rows:
         """p until q inside each span."""
-        found = self._first(self._goal[0], spans, self.carrier.bottom)
-        for level, chosen, left, right in spans.levels:
-            held, goal = self._longer(level)
-            assert goal is not None, "nothing is asked for here"
-            later = goal.take(right)
-            if held is not None:
-                later = self.carrier.meet(held.take(left), later)
-            found[chosen] = self.carrier.join(goal.take(left), later)
+        self._make(spans.level)
+        assert self._goal is not None, "nothing is asked for here"
+        found = _looked_up(self._goal, spans.left, spans)
+        if spans.level:
+            later = _looked_up(self._goal, spans.right, spans)
+            if self._held is not None:
+                self.carrier.meet(later, _looked_up(self._held, spans.left, spans), out=later)
+            self.carrier.join(found, later, out=found)
+        found[spans.empty] = self.carrier.bottom
         return found
 
-    @staticmethod
-    def _first(rows: Rows | None, spans: Levels, nothing: float | bool) -> Rows:
-        """What stands at the begin of each span: of one element that is all."""
-        assert rows is not None
-        if spans.all_some:
-            return rows.take(spans.begin)
-        found: Rows = np.where(spans.some, rows.take(spans.begin, mode="clip"), nothing)
-        return found
+
+def _grown(table: Rows | None, levels: int) -> Rows | None:
+    """A table with room for so many levels."""
+    if table is None:
+        return None
+    made: Rows = np.empty((levels, table.shape[1]), table.dtype)
+    made[: len(table)] = table
+    return made
+
+
+def _looked_up(table: Rows, at: Indices, spans: Levels) -> Rows:
+    """What stands in a table; where a span has no element, anything."""
+    return table.ravel().take(at, mode="clip" if spans.empty.size else "raise")
