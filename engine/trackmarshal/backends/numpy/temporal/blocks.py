@@ -35,13 +35,15 @@ class Pick:
 class Block:
     """The windows of the samples [first, last), which together look at the samples [low, high).
 
-    `high` may lie beyond the trace's end. picks: by ascending level; empty windows are in none.
+    `high` may lie beyond the trace's end. begins: all windows begin in so many samples from `low` on; picks: by ascending level; empty windows are
+    in none.
     """
 
     first: int
     last: int
     low: int
     high: int
+    begins: int
     picks: tuple[Pick, ...]
 
 
@@ -80,7 +82,7 @@ def _uniform(w: Windows, first: int, last: int) -> Block:
     level = length.bit_length() - 1
     right = length - (1 << level)
     pick = Pick(level, slice(None), slice(0, count), slice(right, right + count))
-    return Block(first, last, first + w.begin, last - 1 + w.end, (pick,))
+    return Block(first, last, first + w.begin, last - 1 + w.end, count, (pick,))
 
 
 def _general(w: Windows, first: int, last: int) -> Block:
@@ -102,4 +104,4 @@ def _general(w: Windows, first: int, last: int) -> Block:
         else:
             into = np.flatnonzero(length >> level == 1)
             picks.append(Pick(level, into, begin[into] - low, right[into]))
-    return Block(first, last, low, high, tuple(picks))
+    return Block(first, last, low, high, int(begin[-1]) - low + 1, tuple(picks))

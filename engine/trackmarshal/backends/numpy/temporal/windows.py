@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -24,12 +25,12 @@ IndexArray: TypeAlias = NDArray[np.intp]
 Edge: TypeAlias = int | IndexArray
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Windows:
     """The windows of one operator on one timeline, half open, in the operator's direction; made by `windows`.
 
     n: samples of the timeline; past: the direction; begin, end: both edges of every window, never decreasing
-    from sample to sample, with k <= begin <= end <= n; longest: samples of the longest window; asked: only the first so many samples have a
+    from sample to sample, with k <= begin <= end <= n; asked: only the first so many samples have a
     window, all others are only looked at.
     """
 
@@ -37,8 +38,15 @@ class Windows:
     past: bool
     begin: Edge
     end: Edge
-    longest: int
     asked: int
+
+    @cached_property
+    def longest(self) -> int:
+        """Samples of the longest window; of equal ones, before they are cut off by the trace's end."""
+        if isinstance(self.begin, int) and isinstance(self.end, int):
+            return max(min(self.end - self.begin, self.n), 0)
+        begin, end = (edge_at(edge, 0, self.asked, self.n) for edge in (self.begin, self.end))
+        return int((end - begin).max(initial=0))
 
     @property
     def uniform(self) -> bool:
@@ -67,9 +75,7 @@ class Windows:
 
     def lead(self) -> Windows:
         """The samples from each sample up to its window, without the window: where `until` demands p only."""
-        begin = self.begin
-        longest = begin if isinstance(begin, int) else int((begin - np.arange(self.asked)).max(initial=0))
-        return Windows(self.n, self.past, 0, begin, min(longest, self.n), self.asked)
+        return Windows(self.n, self.past, 0, self.begin, self.asked)
 
 
 def windows(
@@ -101,11 +107,7 @@ def windows(
         t = -t[::-1]
     begin: Edge = 0 if first == 0.0 else _edge(t, first, closed=False)
     end: Edge = n if last == math.inf else _edge(t, last, closed=True)
-    if isinstance(begin, int) and isinstance(end, int):
-        longest = min(end - begin, n)
-    else:
-        longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-    return Windows(n, past, begin, end, longest, n)
+    return Windows(n, past, begin, end, n)
 
 
 def _edge(t: FloatArray, bound: float, *, closed: bool) -> Edge:
@@ -147,8 +149,7 @@ def _of_spans(begins: FloatArray, ends: FloatArray, first: float, last: float, p
         begins, ends = -ends[::-1], -begins[::-1]
     begin: Edge = 0 if first == 0.0 else np.searchsorted(ends, begins + first, "left")
     end: Edge = n if last == math.inf else np.searchsorted(begins, begins + last, "right")
-    longest = int((edge_at(end, 0, n, n) - edge_at(begin, 0, n, n)).max(initial=0))
-    return Windows(n, past, begin, end, longest, n)
+    return Windows(n, past, begin, end, n)
 
 
 def edge_at(edge: Edge, first: int, last: int, n: int) -> IndexArray:

@@ -65,7 +65,7 @@ class Looking:
         self._spread: dict[ir.Formula, Value] = {}
         self._closings: dict[ir.Formula, Indices] = {}
         self._agreeing: dict[ir.OverRun, bool] = {}
-        #: Of `until` that is all of a formula: whether it holds, in the cycle in which it is decided.
+        #: Of an operator that is all of a formula, and of which nothing is undefined: whether it holds, in the cycle in which it is decided.
         self._holds: dict[ir.Formula, Bools] = {}
 
     # When -----------------------------------------------------------------------------------------------------
@@ -84,16 +84,29 @@ class Looking:
 
     def first(self, node: ir.Formula) -> Indices:
         """(cycles,): in which cycle a whole formula is decided, or nothing to come can change it any more."""
-        if isinstance(node, ir.OverRun) and node.op == "until" and self._elements.cycles is None:
-            (held, may_hold), (goal, may_be) = map(self._operand, node.operands)
-            if held is may_hold and goal is may_be:
+        if isinstance(node, ir.OverRun) and node.op != "next" and self._elements.cycles is None:
+            operands = list(map(self._operand, node.operands))
+            if all(low is best for low, best in operands):
                 # A window is closed behind its last element, at the latest: what comes after that decides nothing.
-                first, self._holds[node] = Firsts(self._windows(node), self._elements).settles(
-                    held[0], goal[0]
-                )
+                first, self._holds[node] = self._settles(node, [low[0] for low, _ in operands])
                 return np.minimum(first, self._closed(node), out=first)
         times = self.times(node)
         return np.minimum(np.minimum(times.true, times.false), self.final(node))
+
+    def _settles(self, node: ir.OverRun, holds: list[Bools]) -> tuple[Indices, Bools]:
+        """(cycles,): where an operator is decided of which nothing is undefined, before its window is closed, or NEVER or behind that window; and
+        whether it holds. holds: (elements,) whether its operands do; there are no gaps."""
+        firsts = Firsts(self._windows(node), self._elements)
+        match node.op:
+            case "eventually":
+                return firsts.found(holds[0])
+            case "always":
+                fails, broken = firsts.found(~holds[0])
+                return fails, ~broken
+            case "until":
+                return firsts.settles(*holds)
+            case _:
+                raise AssertionError(f"`{node.op}` does not look ahead")
 
     def times(self, node: ir.Formula) -> Times:
         """(cycles,): when a formula is decided."""
@@ -218,12 +231,15 @@ class Looking:
     def decided(self, node: ir.Formula, chosen: Choice, now: Indices) -> Value:
         """The values of a whole formula about some cycles, in which cycle it is decided. Of a side that has no say in that it may be anything that decides the same."""
         about = self.places[chosen]
-        if not (isinstance(node, ir.OverRun) and node.op == "until" and self._agree(node)):
+        if not (isinstance(node, ir.OverRun) and node.op != "next" and self._agree(node)):
             return self.value(node, about, now)
         if node in self._holds:
             sat = self._holds[node][chosen]
-            side = sat, self._decisive(node, chosen, now, sat)
+            margins = self._decisive if node.op == "until" else self._extreme
+            side = sat, margins(node, chosen, now, sat)
             return values.of(side, side)
+        if node.op != "until":
+            return self.value(node, about, now)
         times = self.times(node)
         sat, fails = _at(times.true, chosen) == now, _at(times.false, chosen) == now
         margin = self._decisive(node, chosen, now, sat)
@@ -248,15 +264,27 @@ class Looking:
         begin = _edge_of(windows.begin, of, first, n)
         found: Floats = may_hold.take(last)
         found[np.flatnonzero(now >= _at(self._closed(node), chosen))] = -np.inf
-        fails = places_of((begin < end) > sat)
+        # No goal says more than the greatest of all.
+        fails = places_of((begin < end) & (found < may_be.max(initial=-np.inf)) & ~sat)
         seen = Spans(None, may_be, MARGIN).until(Levels(begin[fails], end[fails], n))
         found[fails] = np.maximum(found[fails], seen)
         true = np.flatnonzero(sat)
         found[true] = goal.take(last.take(true))
         # What has to hold until then has to on the way to the window, too.
-        later = true.compress((last > first).take(true))
+        later = true.compress(((last > first) & (found > held.min(initial=np.inf))).take(true))
         before = Spans(held, None, MARGIN).all(Levels(first.take(later), last.take(later), n))
         found[later] = np.minimum(found.take(later), before)
+        return found
+
+    def _extreme(self, node: ir.OverRun, chosen: Choice, now: Indices, sat: Bools) -> Floats:
+        """The margins of `always` and `eventually` about some cycles, of an operand that agrees and of which nothing is undefined, without gaps: where the
+        present cycle decides it, no cycle before says as much; of all others the window is closed."""
+        margins = self._operand(node.operands[0])[0][1]
+        found: Floats = margins.take(now)
+        rest = places_of(sat if node.op == "always" else ~sat)
+        closed = found[rest]
+        if closed.size:
+            found[rest] = self._margins(node, [margins])[chosen][rest]
         return found
 
     def _among(self, places: Indices) -> Indices:
@@ -398,7 +426,9 @@ def _at(array: Indices, chosen: Choice) -> Indices:
 
 def _edge_of(edge: Edge, chosen: Choice, elements: Indices, n: int) -> Indices:
     """The edges of the windows of some elements, which are chosen, too."""
-    return np.minimum(elements + edge, n) if isinstance(edge, int) else _at(edge, chosen)
+    if isinstance(edge, int):
+        return np.minimum(elements + edge, n) if edge else elements
+    return _at(edge, chosen)
 
 
 def _halves(node: ir.OverRun, side: Callable[[int], Pair], count: int) -> Value:

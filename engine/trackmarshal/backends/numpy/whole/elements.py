@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.logic import Value
-from trackmarshal.backends.numpy.temporal.windows import Edge, Windows, edge_at
+from trackmarshal.backends.numpy.temporal.windows import Edge, Windows
 from trackmarshal.backends.numpy.whole.values import constant, put
 from trackmarshal.runtime.kleene import UNDEFINED
 
@@ -106,11 +106,7 @@ class Elements:
         if lower:
             last = self._mirrored[1] if past else self.last
             begin = edge_of(last, last[:asked] + lower, "left")
-        if isinstance(begin, int) and isinstance(end, int):
-            longest = max(min(end - begin, n), 0)
-        else:
-            longest = int((edge_at(end, 0, asked, n) - edge_at(begin, 0, asked, n)).max(initial=0))
-        return Windows(n, past, begin, end, longest, asked)
+        return Windows(n, past, begin, end, asked)
 
 
 def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge:
@@ -144,6 +140,8 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
 
 def elements(stamps: Stamps, missed: Indices, before: int | None) -> Elements:
     """Cycles, and a gap before each before which cycles are missing. before: the stamp of the cycle before the first; None: there is none."""
+    if not missed.any():
+        return Elements(stamps, stamps, missed)
     missed = missed.copy()
     if before is None and len(missed):
         missed[0] = 0  # what comes before the first cycle is no gap

@@ -21,7 +21,6 @@ class Firsts:
 
     def __init__(self, windows: Windows, elements: Elements) -> None:
         self._n, self._elements = windows.n, elements
-        self._numbers = np.arange(self._n)
         self._begin = (
             None if isinstance(windows.begin, int) and windows.begin == 0 else self._edge(windows.begin)
         )
@@ -40,8 +39,10 @@ class Firsts:
             return _until(holds.nonzero()[0] + 1, self._n, 1)
         if np.count_nonzero(holds[1:] != holds[:-1]) * FEW < len(holds):
             # What seldom changes: until it holds again, the place where it does.
-            return np.where(holds, self._numbers, _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n))
-        found = np.where(holds, self._numbers, NEVER)
+            return np.where(
+                holds, np.arange(self._n), _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n)
+            )
+        found = np.where(holds, np.arange(self._n), NEVER)
         np.minimum.accumulate(found[::-1], out=found[::-1])
         return found
 
@@ -65,6 +66,12 @@ class Firsts:
         if may is holds:
             return place, ~inside
         return place, self._inside(self._after(may)) >= self._end
+
+    def found(self, holds: Bools) -> tuple[Indices, Bools]:
+        """(cycles,): where something holds first from the begin of its window on, or NEVER; and whether that is in it. (elements,): where it holds; there
+        are no gaps."""
+        first = self._inside(self._after(holds))
+        return first, first < self._end
 
     def settles(self, held: Bools, goal: Bools) -> tuple[Indices, Bools]:
         """(cycles,): where `held until goal` is decided of which nothing is undefined, without gaps, before its window is closed, or NEVER or behind that
