@@ -258,20 +258,20 @@ class Looking:
         (held, may_hold), (goal, may_be) = (
             (low[1], best[1]) for low, best in map(self._operand, node.operands)
         )
-        of = chosen if self._elements.cycles is None else first
-        n = windows.n
-        end = np.minimum(_edge_of(windows.end, of, first, n), last + 1)
-        begin = _edge_of(windows.begin, of, first, n)
+        of, n = chosen if self._elements.cycles is None else first, windows.n
         found: Floats = may_hold.take(last)
         found[np.flatnonzero(now >= _at(self._closed(node), chosen))] = -np.inf
         # No goal says more than the greatest of all.
-        fails = places_of((begin < end) & (found < may_be.max(initial=-np.inf)) & ~sat)
-        seen = Spans(None, may_be, MARGIN).until(Levels(begin[fails], end[fails], n))
-        found[fails] = np.maximum(found[fails], seen)
+        fails = np.flatnonzero((found < may_be.max(initial=-np.inf)) > sat)
+        begin = _edge_of(windows.begin, of, first, n).take(fails)
+        end = np.minimum(_edge_of(windows.end, of, first, n).take(fails), last.take(fails) + 1)
+        seen = Spans(None, may_be, MARGIN).until(Levels(begin, np.maximum(begin, end), n))
+        found[fails] = np.maximum(found.take(fails), seen)
         true = np.flatnonzero(sat)
         found[true] = goal.take(last.take(true))
         # What has to hold until then has to on the way to the window, too.
-        later = true.compress(((last > first) & (found > held.min(initial=np.inf))).take(true))
+        later = np.flatnonzero(sat & (last > first))
+        later = later.compress(found.take(later) > held.min(initial=np.inf))
         before = Spans(held, None, MARGIN).all(Levels(first.take(later), last.take(later), n))
         found[later] = np.minimum(found.take(later), before)
         return found

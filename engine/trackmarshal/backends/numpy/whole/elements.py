@@ -17,9 +17,8 @@ from trackmarshal.runtime.kleene import UNDEFINED
 
 Stamps = NDArray[np.int64]
 Indices = NDArray[np.intp]
-_FIRST, _LAST = np.iinfo(np.int64).min, np.iinfo(np.int64).max
 #: Before all that there is, and far enough from the end of what 64 bits hold.
-LONG_AGO = _FIRST // 4
+LONG_AGO = np.iinfo(np.int64).min // 4
 
 
 @dataclass(eq=False)
@@ -37,7 +36,7 @@ class Elements:
     @cached_property
     def cycles(self) -> Indices | None:
         """Where the cycles are; None: there are no gaps."""
-        return np.flatnonzero(self.missed == 0) if self.missed.any() else None
+        return np.flatnonzero(self.missed == 0) if self.missed.max(initial=0) else None
 
     @cached_property
     def _ends(self) -> dict[tuple[int, int, bool], Edge]:
@@ -119,12 +118,15 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
     if guess == n:
         return n
     count = min(n - guess + 1, asked)
-    padded = np.concatenate(([_FIRST, _FIRST], keys, [_LAST, _LAST]))
     before = np.less_equal if side == "right" else np.less
 
     def passed(shift: int) -> NDArray[np.bool_]:
-        at = 2 + guess + shift
-        found: NDArray[np.bool_] = before(padded[at : at + count], reach[:count])
+        """Whether the key `shift` from the guessed edge lies before the edge: before the first key all do, after the last one none."""
+        begin = guess + shift
+        low, high = max(-begin, 0), max(min(n - begin, count), 0)
+        found = np.zeros(count, dtype=bool)
+        found[:low] = True
+        before(keys[begin + low : begin + high], reach[low:high], out=found[low:high])
         return found
 
     near, far = passed(-1), passed(0)
@@ -132,15 +134,16 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
         return guess
     at_the_end = count == asked or bool(before(keys[-1], reach[count]))
     if at_the_end and passed(-2).all() and not passed(1).any():
-        edge = np.full(asked, n, dtype=np.intp)
-        np.add(np.arange(guess - 1, guess - 1 + count), np.add(near, far, dtype=np.uint8), out=edge[:count])
+        edge = np.arange(guess - 1, guess - 1 + asked)
+        edge[:count] += np.add(near, far, dtype=np.int8)
+        edge[count:] = n
         return edge
     return np.searchsorted(keys, reach, side)
 
 
 def elements(stamps: Stamps, missed: Indices, before: int | None) -> Elements:
     """Cycles, and a gap before each before which cycles are missing. before: the stamp of the cycle before the first; None: there is none."""
-    if not missed.any():
+    if not missed.max(initial=0):
         return Elements(stamps, stamps, missed)
     missed = missed.copy()
     if before is None and len(missed):

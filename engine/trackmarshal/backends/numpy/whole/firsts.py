@@ -35,15 +35,22 @@ class Firsts:
 
     def _after(self, holds: Bools) -> Indices:
         """(elements,): which element from each on is the first of which something holds; NEVER: none."""
-        if np.count_nonzero(holds) * FEW < 3 * len(holds):
-            return _until(holds.nonzero()[0] + 1, self._n, 1)
-        if np.count_nonzero(holds[1:] != holds[:-1]) * FEW < len(holds):
-            # What seldom changes: until it holds again, the place where it does.
-            return np.where(
-                holds, np.arange(self._n), _until((holds[1:] > holds[:-1]).nonzero()[0] + 1, self._n)
-            )
-        found = np.where(holds, np.arange(self._n), NEVER)
-        np.minimum.accumulate(found[::-1], out=found[::-1])
+        n, count = self._n, np.count_nonzero(holds)
+        if count * FEW < 3 * n:
+            return _until(holds.nonzero()[0] + 1, n, 1)
+        changes = (holds[1:] != holds[:-1]).nonzero()[0] + 1
+        if (n - count) * FEW >= 3 * n and len(changes) * FEW >= n:
+            found = np.where(holds, np.arange(n), NEVER)
+            np.minimum.accumulate(found[::-1], out=found[::-1])
+            return found
+        # Where it does not hold: until it holds again, the place where it does.
+        edges, first = np.concatenate(([0], changes, [n])), int(holds[0])
+        begins, ends = edges[first:-1:2], edges[first + 1 :: 2]
+        lengths = ends - begins
+        if not holds[-1]:
+            ends[-1] = NEVER
+        found = np.arange(n)
+        found[(~holds).nonzero()[0]] = ends.repeat(lengths)
         return found
 
     def _inside(self, after: Indices) -> Indices:
