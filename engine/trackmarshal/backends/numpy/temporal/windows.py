@@ -155,5 +155,6 @@ def _of_spans(begins: FloatArray, ends: FloatArray, first: float, last: float, p
 def edge_at(edge: Edge, first: int, last: int, n: int) -> IndexArray:
     """The edge of the windows of the samples [first, last)."""
     if isinstance(edge, int):
-        return np.minimum(np.arange(first + edge, last + edge), n)
+        moved = np.arange(first + edge, last + edge)
+        return moved if last + edge <= n else np.minimum(moved, n, out=moved)
     return edge[first:last]

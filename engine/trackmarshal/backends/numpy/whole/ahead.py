@@ -259,16 +259,15 @@ class Looking:
             (low[1], best[1]) for low, best in map(self._operand, node.operands)
         )
         of, n = chosen if self._elements.cycles is None else first, windows.n
-        found: Floats = may_hold.take(last)
-        found[np.flatnonzero(now >= _at(self._closed(node), chosen))] = -np.inf
+        # Of two columns one after the other, so that nothing is chosen by what changes from cycle to cycle.
+        found: Floats = np.concatenate((may_hold, goal)).take(last + np.multiply(sat, n, dtype=np.intp))
+        found[np.flatnonzero((now >= _at(self._closed(node), chosen)) > sat)] = -np.inf
         # No goal says more than the greatest of all.
         fails = np.flatnonzero((found < may_be.max(initial=-np.inf)) > sat)
         begin = _edge_of(windows.begin, of, first, n).take(fails)
         end = np.minimum(_edge_of(windows.end, of, first, n).take(fails), last.take(fails) + 1)
         seen = Spans(None, may_be, MARGIN).until(Levels(begin, np.maximum(begin, end), n))
         found[fails] = np.maximum(found.take(fails), seen)
-        true = np.flatnonzero(sat)
-        found[true] = goal.take(last.take(true))
         # What has to hold until then has to on the way to the window, too.
         later = np.flatnonzero(sat & (last > first))
         later = later.compress(found.take(later) > held.min(initial=np.inf))
