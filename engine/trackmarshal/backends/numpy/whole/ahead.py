@@ -259,8 +259,11 @@ class Looking:
             (low[1], best[1]) for low, best in map(self._operand, node.operands)
         )
         of, n = chosen if self._elements.cycles is None else first, windows.n
-        # Of two columns one after the other, so that nothing is chosen by what changes from cycle to cycle.
-        found: Floats = np.concatenate((may_hold, goal)).take(last + np.multiply(sat, n, dtype=np.intp))
+        mostly = bool(2 * np.count_nonzero(sat) > len(sat))
+        most, few = (goal, may_hold) if mostly else (may_hold, goal)
+        found: Floats = most.take(last)
+        others = np.flatnonzero(sat != mostly)
+        found[others] = few.take(last.take(others))
         found[np.flatnonzero((now >= _at(self._closed(node), chosen)) > sat)] = -np.inf
         # No goal says more than the greatest of all.
         fails = np.flatnonzero((found < may_be.max(initial=-np.inf)) > sat)

@@ -57,7 +57,9 @@ class Firsts:
         """(cycles,): the first one from the begin of its window on."""
         if self._begin is None:
             return self._elements.of_cycles(after)
-        return np.append(after, NEVER).take(self._begin)
+        found = after.take(self._begin, mode="clip")
+        found[np.searchsorted(self._begin, self._n) :] = NEVER  # they never decrease
+        return found
 
     def _places(self, found: Indices) -> Indices:
         """The places of cycles among the elements; of what is behind the last one any."""
