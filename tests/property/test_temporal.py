@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any
 from unittest import mock
 
@@ -17,6 +18,8 @@ from trackmarshal.backends.numpy.temporal import blocks
 from trackmarshal.backends.reference import temporal as reference
 
 ROWS = 2
+#: The module, of which the package has the function by the same name.
+DOUBLING = import_module("trackmarshal.backends.numpy.temporal.until")
 #: No wall time in a verdict: a loaded machine is slow, not wrong.
 unhurried = settings(deadline=None)
 MARGINS = st.one_of(
@@ -131,6 +134,36 @@ def test_until_and_since(case: Case, past: bool) -> None:
         found = getattr(temporal, operator)(*stacked(case.p), *stacked(case.q), w)
     expected = [getattr(reference, operator)(*p, *q, spelled_out) for p, q in zip(case.p, case.q)]
     assert_same(found, expected)
+
+
+@unhurried
+@given(
+    st.integers(0, 2**32 - 1), st.sampled_from([-20, -6, 0, 6, 20]), st.booleans(), st.booleans(),
+    st.tuples(st.integers(0, 20), st.integers(0, 170)), st.sampled_from([(1, 1), (1, 64), (3, 7), (3, 64)]), st.sampled_from([16, 16384]),
+)  # fmt: skip
+def test_spans_beyond_which_nothing_says_more(
+    seed: int, above: int, past: bool, uneven: bool, window: tuple[int, int], looks: tuple[int, int], block: int
+) -> None:  # fmt: skip
+    """p that is mostly below q, about as it, or above it: in long windows, where doubling may end early or must not."""
+    random, n = np.random.default_rng(seed), 150
+    t = np.cumsum(random.integers(1, 4, n) if uneven else np.ones(n)) * 0.25
+    p, q = (random.integers(-9, 10, n).astype(np.float64) for _ in "pq")
+    p += above * random.random()
+    for some in (p, q):
+        rare = random.random(n) < 0.03
+        some[rare] = random.choice([-0.0, 0.0, np.inf, -np.inf, 1e308], np.count_nonzero(rare))
+    p_sat, q_sat = random.random(n) < 0.5 + 0.024 * above, random.random(n) < random.random()
+    lower, upper = 0.25 * window[0], 0.25 * sum(window)
+    w, spelled_out = temporal.windows(t, lower, upper, past), reference.windows(t.tolist(), lower, upper, past)  # fmt: skip
+    operator = "since" if past else "until"
+    with (
+        mock.patch.object(DOUBLING, "LOOK", looks[0]),
+        mock.patch.object(DOUBLING, "FEW", looks[1]),
+        mock.patch.object(blocks, "BLOCK", block),
+    ):
+        found = getattr(temporal, operator)(p_sat, p, q_sat, q, w)
+    expected = getattr(reference, operator)(*(each.tolist() for each in (p_sat, p, q_sat, q)), spelled_out)
+    assert_same((found[0][None], found[1][None]), [expected])
 
 
 @unhurried

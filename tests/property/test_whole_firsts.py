@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.test_over_run import EXAMPLES
-from property.test_whole_run import same
-from trackmarshal.backends.numpy.whole.elements import elements
+from property.test_whole_run import CUTS, same
+from trackmarshal.backends.numpy.whole.elements import edge_of, elements
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.outcomes import together, worst
 from trackmarshal.backends.over_run.outcome import RANK
@@ -66,6 +66,55 @@ def test_as_defined(cycles: list[Any], lower: int, length: int) -> None:
             assert is_false == number[broken]
         else:
             assert is_false == STAYS
+
+
+#: How often something holds, and how likely it stays as it was.
+_OFTEN = st.tuples(st.sampled_from([0.0, 0.05, 0.5, 0.9, 0.98, 1.0]), st.sampled_from([0.0, 0.0, 0.97]))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 150), _OFTEN, _OFTEN, st.integers(0, 5), st.integers(0, 40), st.booleans())  # fmt: skip
+@settings(max_examples=10 * EXAMPLES, deadline=None)
+def test_however_often_something_holds(
+    seed: int, n: int, held: tuple[float, float], goal: tuple[float, float], lower: int, length: int, even: bool
+) -> None:  # fmt: skip
+    """Without gaps, of which nothing is undefined: where an operator is decided before its window is closed."""
+    random = np.random.default_rng(seed)
+    stamps = np.cumsum(np.full(n, 10) if even else random.integers(1, 21, n))
+    p, q = _often(random, n, *held), _often(random, n, *goal)
+    windows = (own := elements(stamps, np.zeros(n, np.intp), None)).ahead(10 * lower, 10 * (lower + length))
+    reached, inside = Firsts(windows, own).found(q)
+    first, holds = Firsts(windows, own).settles(p, q)
+    for at in range(n):
+        window = [j for j in range(at, n) if 10 * lower <= stamps[j] - stamps[at] <= 10 * (lower + length)]
+        begin = next((j for j in range(at, n) if stamps[j] - stamps[at] >= 10 * lower), n)
+        assert reached[at] == next((j for j in range(begin, n) if q[j]), NEVER)
+        assert inside[at] == any(q[j] for j in window)
+        fails = next((j for j in range(at, n) if not p[j]), NEVER)
+        assert first[at] == min(reached[at], fails)
+        assert holds[at] == any(q[j] and all(p[at:j]) for j in window)
+
+
+def _often(random: np.random.Generator, n: int, share: float, stays: float) -> Any:
+    found, new = random.random(n) < share, random.random(n) >= stays
+    new[0] = True
+    return found[np.maximum.accumulate(np.where(new, np.arange(n), 0))]
+
+
+@given(st.lists(st.integers(1, 60), min_size=1, max_size=40), st.sampled_from(["even", "late", "any"]), st.integers(0, 400), st.sampled_from(["left", "right"]), st.integers(1, 40))  # fmt: skip
+@settings(max_examples=20 * EXAMPLES, deadline=None)
+def test_edges_are_counted(steps: list[int], kind: str, reach: int, side: Any, asked: int) -> None:
+    """Stamps that come evenly, a little late, or anyhow: how many lie before what each reaches."""
+    late = {"even": 0, "late": 5, "any": 1000}[kind]
+    keys = np.cumsum([20 + step % (late + 1) if kind == "any" else 20 for step in steps]).astype(np.int64)
+    keys += np.array([step % (late + 1) if kind == "late" else 0 for step in steps])
+    found = edge_of(keys, keys[:asked] + reach, side)
+    listed = keys.tolist()
+    wanted = [
+        sum(key < one + reach or (side == "right" and key == one + reach) for key in listed)
+        for one in listed[:asked]
+    ]
+    got = [min(k + found, len(keys)) for k in range(len(wanted))] if isinstance(found, int) else found.tolist()  # fmt: skip
+    assert got == wanted
 
 
 @given(st.lists(_CYCLE, min_size=1, max_size=14), st.integers(0, 5), st.integers(0, 8), st.integers(1, 28))
@@ -204,6 +253,28 @@ def test_margins_that_do_not_say_whether_it_holds(
         for i, (v, w) in enumerate(numbers.tolist())
     ]
     same(f'{_MODULE}rule f "" require {of.format(f"(ego.v > 0 m/s {op} ego.w > 0 m/s)")}\n', cycles, cuts)
+
+
+_EXACT = st.sampled_from([0.0, -0.0, 1.0, -1.0, 2.0, -2.0, 5e-324, -5e-324, 1e300, -1e300])
+_OPERANDS = st.sampled_from(["ego.v > 0 m/s", "ego.v >= 0 m/s", "ego.w < 1 m/s", "not (ego.w > ego.v)", "ego.on", "(ego.v > 0 m/s xor ego.w > 0 m/s)", "(ego.v > 0 m/s or ego.w == 1 m/s)"])  # fmt: skip
+_STEPS = st.sampled_from([1, 1, 1, 2, 4])
+
+
+@given(
+    st.sampled_from(["always{1} {0}", "eventually{1} {0}", "({0}) until{1} ({2})"]), _OPERANDS, _OPERANDS, st.tuples(st.integers(0, 6), st.integers(0, 40)),
+    st.lists(st.tuples(_EXACT, _EXACT, st.booleans(), _STEPS), min_size=1, max_size=24), st.booleans(), CUTS,
+)  # fmt: skip
+@settings(max_examples=6 * EXAMPLES, deadline=None)
+def test_an_operator_that_is_the_whole_rule(
+    of: str, p: str, q: str, bounds: tuple[int, int], rows: list[Any], even: bool, cuts: list[int]
+) -> None:
+    """All cycles are there, and nothing is undefined: zeros with a sign, huge and tiny margins, windows of one cycle and longer than the run."""
+    t, cycles = 0, list[Any]()
+    for i, (v, w, on, step) in enumerate(rows):
+        t += 1 if even else step
+        cycles.append({"id": i, "t": t / 10, "signals": {"ego": {"v": v, "w": w, "on": on}}})
+    window = f"[{bounds[0] / 10!r} s, {sum(bounds) / 10!r} s]"
+    same(f'{_MODULE}rule f "" require {of.format(p, window, q)}\n', cycles, cuts)
 
 
 _MODULE = "module m\nsignal ego : state { v: m/s, w: m/s, on: bool }\n"

@@ -67,8 +67,8 @@ def held(given: Sequence[tuple[Rows, Rows, Carrier]], w: Windows) -> list[Rows]:
     return found
 
 
-#: One of so many samples is looked at first.
-FEW = 64
+#: After every so many doublings it is asked whether longer spans say more; first of one of so many samples.
+LOOK, FEW = 3, 64
 
 
 class _Side(NamedTuple):
@@ -89,7 +89,7 @@ def _of_block(block: Block, side: _Side) -> None:
         level, settled = 0, False
         for pick in block.picks:
             while level < pick.level and not settled:
-                settled = _settled(spans[:, : block.begins], holds[:, : block.begins])
+                settled = level % LOOK == 0 and _settled(spans[:, : block.begins], holds[:, : block.begins])
                 if not settled:
                     _double(spans, holds, 1 << level, carrier)
                     level += 1
