@@ -123,7 +123,8 @@ def edge_of(keys: Stamps, reach: Stamps, side: Literal["left", "right"]) -> Edge
     def passed(shift: int) -> NDArray[np.bool_]:
         """Whether the key `shift` from the guessed edge lies before the edge: before the first key all do, after the last one none."""
         begin = guess + shift
-        low, high = max(-begin, 0), max(min(n - begin, count), 0)
+        low = max(-begin, 0)
+        high = max(min(n - begin, count), low)
         found = np.zeros(count, dtype=bool)
         found[:low] = True
         before(keys[begin + low : begin + high], reach[low:high], out=found[low:high])
