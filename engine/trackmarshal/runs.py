@@ -30,8 +30,8 @@ Codes = NDArray[np.uint8]
 Stamps = NDArray[np.int64]
 _NAMES = np.array(VERDICTS)
 _SAFE = np.isin(np.arange(len(VERDICTS)), list(SAFE_CODES))
-#: Cycles that are evaluated together: their numbers stay in the cache next to the core.
-BLOCK = 32768
+#: Cycles that are evaluated together: so many that calls of numpy cost little beside what they do, so few that columns stay in the caches.
+BLOCK = 65536
 
 
 class Rules:
