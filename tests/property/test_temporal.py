@@ -139,7 +139,7 @@ def test_until_and_since(case: Case, past: bool) -> None:
 @unhurried
 @given(
     st.integers(0, 2**32 - 1), st.sampled_from([-20, -6, 0, 6, 20]), st.booleans(), st.booleans(),
-    st.tuples(st.integers(0, 20), st.integers(0, 170)), st.sampled_from([(1, 1), (1, 64), (3, 7), (3, 64)]), st.sampled_from([16, 16384]),
+    st.tuples(st.integers(0, 20), st.integers(0, 170)), st.sampled_from([(1, 1), (1, 8), (3, 1), (3, 7), (3, 64)]), st.sampled_from([16, 16384]),
 )  # fmt: skip
 def test_spans_beyond_which_nothing_says_more(
     seed: int, above: int, past: bool, uneven: bool, window: tuple[int, int], looks: tuple[int, int], block: int

@@ -89,7 +89,7 @@ def _general(w: Windows, first: int, last: int) -> Block:
     """A block of any windows, grouped by level."""
     begin, end = edge_at(w.begin, first, last, w.n), edge_at(w.end, first, last, w.n)
     if end[-1] == w.n:  # those cut off by the trace's end look beyond it: otherwise they come in all levels
-        inside = int(np.searchsorted(end, w.n))
+        inside = int(end.searchsorted(w.n))
         end = np.concatenate((end[:inside], begin[inside:] + w.longest))
     low, high = int(begin[0]), int(end[-1])
     length = end - begin

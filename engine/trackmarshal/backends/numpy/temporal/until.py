@@ -67,7 +67,8 @@ def held(given: Sequence[tuple[Rows, Rows, Carrier]], w: Windows) -> list[Rows]:
     return found
 
 
-#: After every so many doublings it is asked whether longer spans say more; first of one of so many samples.
+#: After every so many doublings it is asked whether longer spans say more, first of one of so many samples; of few samples that takes longer
+#: than to go on.
 LOOK, FEW = 3, 64
 
 
@@ -86,10 +87,14 @@ def _of_block(block: Block, side: _Side) -> None:
     for batch in batches(len(p), block.high - block.low):
         spans = carrier.fetch(q[batch], block.low, block.high, carrier.bottom)
         holds = carrier.fetch(p[batch], block.low, block.high, carrier.top)
-        level, settled = 0, False
+        level, settled, looks = 0, False, spans.size > FEW * FEW
         for pick in block.picks:
             while level < pick.level and not settled:
-                settled = level % LOOK == 0 and _settled(spans[:, : block.begins], holds[:, : block.begins])
+                settled = (
+                    looks
+                    and level % LOOK == 0
+                    and _settled(spans[:, : block.begins], holds[:, : block.begins])
+                )
                 if not settled:
                     _double(spans, holds, 1 << level, carrier)
                     level += 1
