@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -49,16 +50,23 @@ class Region:
             float(self.border.ax.min()) - AROUND, float(self.border.ax.max()) + AROUND,
             float(self.border.ay.min()) - AROUND, float(self.border.ay.max()) + AROUND,
         )  # fmt: skip
-        perimeter = float(self.border.length.sum())
-        # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
-        self.cells = Cells(self.border, abs(sum(area(ring) for ring in rings)) / perimeter)
+        self._area = abs(sum(area(ring) for ring in rings))
         self._origin = np.array([[self.border.ax[0]], [self.border.ay[0]]])
         self._segments, reach = self._singles()
         #: How much farther than the nearest a segment may seem in single precision [m].
         self.slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * reach)
-        #: The same in double precision, of segments that the grid knows to be near [m].
+
+    @cached_property
+    def cells(self) -> Cells:
+        """The grid; made when first asked for, which of a corridor whose centre line alone is read nobody does."""
+        # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
+        return Cells(self.border, self._area / float(self.border.length.sum()))
+
+    @cached_property
+    def rounding(self) -> float:
+        """The slack in double precision, of segments that the grid knows to be near [m]."""
         span = float(self.border.length.max()) + 8.0 * (self.cells.size + REACH)
-        self.rounding = SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
+        return SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
 
     def _singles(self) -> tuple[Vectors, float]:
         """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
