@@ -171,7 +171,8 @@ def _said(evaluator: Evaluator, tests: Sequence[PreparedTest], frames: Frames) -
         results = [_over_run(evaluator, test) for test in tests]
         return [_Said(result.verdict, result.margin, partial(_itself, result)) for result in results]
     unread = [test for test in tests if id(test) not in frames]
-    frames |= zip(map(id, unread), evaluator.read_all([test.case for test in unread]))
+    if unread:  # else what reads them need not be made
+        frames |= zip(map(id, unread), evaluator.read_all([test.case for test in unread]))
     judged = evaluator.judge_all([frames[id(test)] for test in tests])
     rated = [one for each in judged for one in each.rated.values()]
     return [
