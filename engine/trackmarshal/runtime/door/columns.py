@@ -79,10 +79,12 @@ class ColumnsReader:
 
     def read(self, raw: Any, faults: list[Fault]) -> Columns:
         """The signal's columns; what is wrong with their structure is added to the faults."""
+        before = len(faults)
         if self.plain and type(raw) is dict:
             try:
-                found = self._record(raw) if self.signal.form == RECORD else self._quickly(raw)
+                found = self._record(raw, faults) if self.signal.form == RECORD else self._quickly(raw)
             except Exception:  # whatever it is, a closer look says what is wrong with it
+                del faults[before:]
                 found = None
             if found is not None:
                 return found
@@ -93,7 +95,6 @@ class ColumnsReader:
                 found = None
             if found is not None:
                 return found
-        before = len(faults)
         try:
             return self._closely(raw, faults)
         except WrongTypeError as error:
@@ -198,12 +199,11 @@ class ColumnsReader:
             return None
         return Columns(self.names, flat.reshape(len(columns), count), None, ids)
 
-    def _record(self, raw: dict[str, Any]) -> Columns | None:
-        if not raw.keys() <= self.known:
-            return None
+    def _record(self, raw: dict[str, Any], faults: list[Fault]) -> Columns | None:
         found = self._pick(raw)
         if not _FLOATS.issuperset(map(type, found)):
             return None
+        refuse_unknown(self.label, [raw], self.known, faults)  # recordings have more than some rules read
         return Columns(self.names, np.array(found).reshape(-1, 1))
 
     def _elements(self, raw: list[Any]) -> Columns | None:
