@@ -34,7 +34,7 @@ from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, S
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.lines import line
-from trackmarshal.runtime.door.values import entries, is_a, mapping
+from trackmarshal.runtime.door.values import entries, is_a, is_masked, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame, Packed
 from trackmarshal.runtime.lines import Line
@@ -562,7 +562,7 @@ def _composed(value: Any, depth: int) -> Any:
     if is_a(value, (list, tuple)):
         items = [_plain(item, depth) for item in entries(value)]
         return items if is_a(value, list) else {"$": "tuple", "of": items}
-    if kind is np.ma.MaskedArray:
+    if is_masked(value):
         parts = [_plain(part, depth) for part in (np.ma.getdata(value), np.ma.getmaskarray(value))]
         return {"$": "masked", "of": parts}
     if kind in (np.ndarray, np.memmap) and value.dtype.kind in "iufbU":

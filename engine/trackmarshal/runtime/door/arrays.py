@@ -313,7 +313,7 @@ def _params(overrides: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _axes(raw: Any) -> int | None:
     """How many axes an array has; None for anything else."""
-    return raw.ndim if type(raw) in values.ARRAYS else None
+    return raw.ndim if values.is_array(raw) else None
 
 
 def _repeated(place: str, column: Any, size: int, record: bool) -> Any:

@@ -75,7 +75,7 @@ class LineReader:
             if not _whole(raw.points):
                 raise NoLineError("wrong_type", None, "not a list of points")
             return self._remember(raw, raw, None)
-        if kind in values.ARRAYS:
+        if values.is_array(raw):
             array = raw if kind is np.ndarray and raw.dtype == _FLOAT else _numbers(raw)
             if array is not None:
                 if array.ndim != 2 or array.shape[1] != 2:
@@ -120,7 +120,7 @@ def points_of(raw: Any) -> Floats:
     rows = np.full((len(points), 2), np.nan)
     for index, point in enumerate(points):
         try:
-            pair = values.entries(point) if type(point) not in values.ARRAYS else values.numbers(point)
+            pair = values.entries(point) if not values.is_array(point) else values.numbers(point)
         except WrongTypeError as error:
             raise NoLineError("wrong_type", index, "not a point [x, y]") from error
         if len(pair) != 2:

@@ -6,6 +6,7 @@ Evaluators never see a caller's objects: what is read here is copied, so what is
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,8 +18,8 @@ Floats = NDArray[np.float64]
 SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 #: Kinds of numpy's types whose values are numbers, and whole ones.
 NUMBERS, WHOLE = "iuf", "iu"
-#: Kinds of arrays that are taken. Others may mean something else by their numbers.
-ARRAYS = (np.ndarray, np.memmap, np.ma.MaskedArray)
+#: Kinds of arrays that are taken, beside masked ones. Others may mean something else by their numbers.
+_ARRAYS = (np.ndarray, np.memmap)
 
 
 class WrongTypeError(Exception):
@@ -32,6 +33,17 @@ class WrongTypeError(Exception):
 def is_a(value: object, kinds: type | tuple[type, ...]) -> bool:
     """Whether an object is of one of these classes, whatever it says of itself."""
     return issubclass(type(value), kinds)
+
+
+def is_array(value: object) -> bool:
+    """Whether an object is an array that is taken for one."""
+    return type(value) in _ARRAYS or is_masked(value)
+
+
+def is_masked(value: object) -> bool:
+    """Whether an object is a masked array: of what takes long to import, and need not be asked before somebody has imported it."""
+    known = sys.modules.get("numpy.ma")
+    return known is not None and type(value) is known.MaskedArray
 
 
 def number(value: Any, spelt: bool = False) -> float | None:
@@ -95,7 +107,7 @@ def numbers(column: Any, spelt: bool = False) -> Floats:
     Lists, tuples, and arrays of one axis: of whole or real numbers of any size and byte order, or of objects that are numbers. What a
     masked array hides is missing (NaN).
     """
-    if type(column) in ARRAYS:
+    if is_array(column):
         made = floats(column)
         if made is not None:
             return made
@@ -117,13 +129,13 @@ def places(
 
     Members by name: lists, tuples, and arrays of texts or of objects; by place: what is a column of numbers. Both may be in one list.
     """
-    if type(column) in ARRAYS and column.dtype.kind != "U":
+    if is_array(column) and column.dtype.kind != "U":
         made = floats(column)
         if made is not None:
             return made, []
         column = objects(column)
-    elif type(column) in ARRAYS:
-        if column.ndim != 1 or type(column) is np.ma.MaskedArray:
+    elif is_array(column):
+        if column.ndim != 1 or is_masked(column):
             raise WrongTypeError("something else is no column")
         column = column.tolist()
     known = {name: float(place) for place, name in enumerate(members)}
@@ -160,15 +172,15 @@ def floats(array: Any, axes: int = 1) -> Floats | None:
     if array.dtype.kind not in NUMBERS:
         return None
     with np.errstate(all="ignore"):
-        made: Floats = np.array(np.ma.getdata(array), dtype=np.float64)
-    if type(array) is np.ma.MaskedArray:
+        made: Floats = np.array(np.ma.getdata(array) if is_masked(array) else array, dtype=np.float64)
+    if is_masked(array):
         made[np.ma.getmaskarray(array)] = math.nan
     return made
 
 
 def objects(array: Any) -> list[Any]:
     """What an array of objects holds; raises WrongTypeError for any other."""
-    if array.dtype != object or type(array) is np.ma.MaskedArray:
+    if array.dtype != object or is_masked(array):
         raise WrongTypeError("something else is no column")
     held: list[Any] = array.tolist()
     return held
@@ -176,12 +188,12 @@ def objects(array: Any) -> list[Any]:
 
 def flags(column: Any) -> NDArray[np.int8]:
     """A column of Booleans as 1, 0 and -1 for a missing one; raises WrongTypeError. Lists, tuples, and arrays of bool or objects."""
-    if type(column) in ARRAYS:
+    if is_array(column):
         if column.ndim != 1:
             raise WrongTypeError("something else is no column")
         if column.dtype == bool:
-            made = np.array(np.ma.getdata(column), dtype=np.int8)
-            if type(column) is np.ma.MaskedArray:
+            made = np.array(np.ma.getdata(column) if is_masked(column) else column, dtype=np.int8)
+            if is_masked(column):
                 made[np.ma.getmaskarray(column)] = -1
             return made
         column = objects(column)
@@ -204,7 +216,7 @@ def entries(column: Any) -> list[Any]:
 
 def listed(raw: Any) -> list[Any]:
     """The entries of a list or tuple, or those along the first axis of an array of numbers or objects; raises WrongTypeError."""
-    if type(raw) in ARRAYS and raw.ndim and (raw.dtype.kind in NUMBERS or raw.dtype == object):
+    if is_array(raw) and raw.ndim and (raw.dtype.kind in NUMBERS or raw.dtype == object):
         return list(raw)
     return entries(raw)
 
@@ -223,7 +235,7 @@ def mapping(raw: Any) -> dict[Any, Any]:
 
 def _held(value: Any) -> Any:
     """Lists, tuples, arrays and Mappings with all that they hold, for good; anything else as it is."""
-    if type(value) in ARRAYS:
+    if is_array(value):
         return value.copy()
     if is_a(value, (list, tuple)):
         own = list if is_a(value, list) else tuple
