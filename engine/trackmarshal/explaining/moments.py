@@ -11,7 +11,6 @@ from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.explaining.course import along_course
 from trackmarshal.explaining.telling import behind, behind_over_run
-from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
@@ -44,6 +43,8 @@ def told_moments(replay: Replay, evaluator: Evaluator) -> list[dict[str, Any]]:
         for candidate in candidates:
             results = replay.said(candidate, rule.name)
             numbers = chosen(results, remembers(rule))
+            if not numbers:
+                continue
             told = {str(number): run.lines(place, rule, candidate, number) for number in numbers}
             unsafe = sum(result is not None and result.fired for result in results)
             there = sum(results[number].fired for number in numbers)  # type: ignore[union-attr]
@@ -59,6 +60,8 @@ def chosen(results: Sequence[RuleResult | Said | None], remembering: bool) -> li
     """The numbers of the cycles of which numbers are told, ascending: where those would be too many, those that matter more."""
     known = {i: result for i, result in enumerate(results) if result is not None}
     told = {i: result for i, result in known.items() if result.verdict != "inactive"}
+    if not told:
+        return []
     unsafe = [i for i, result in told.items() if result.fired]
     firsts: dict[int, None] = {}
     for first, last in intervals(unsafe, range(len(results))):
@@ -88,27 +91,6 @@ def _evenly(numbers: Sequence[int], most: int) -> list[int]:
     if len(numbers) <= most:
         return list(numbers)
     return [numbers[i * len(numbers) // most] for i in range(most)]
-
-
-#: Numbers that are as quickly read again as looked up.
-_READ_AT_ONCE = (ir.Column, ir.Const, ir.Param, ir.Sample, ir.Scalar)
-
-
-class _Once(Reference):
-    """Numbers of one case, each computed once: what definitions share, and rules."""
-
-    def __init__(self, *given: Any) -> None:
-        super().__init__(*given)
-        self._known: dict[tuple[ir.Num, tuple[tuple[int, int], ...]], float] = {}
-
-    def number(self, node: ir.Num, env: dict[int, int]) -> float:
-        if isinstance(node, _READ_AT_ONCE):
-            return super().number(node, env)
-        key = node, tuple(env.items())
-        value = self._known.get(key)
-        if value is None:
-            value = self._known[key] = super().number(node, env)
-        return value
 
 
 class _Run:
@@ -155,7 +137,7 @@ class _Run:
         key = number, candidate
         if key not in self._values:
             frame, _ = _seen(self._cycles[number])
-            self._values[key] = _Once(self._spec, frame.of(candidate))
+            self._values[key] = Reference(self._spec, frame.of(candidate), often=True)
         return self._values[key]
 
     def _until(self, candidate: str, number: int) -> list[Past]:

@@ -44,8 +44,9 @@ def _total(function: Callable[..., float]) -> Callable[..., float]:
     """A function of the math module whose domain errors are NaN and whose overflow is infinite."""
 
     def call(*args: float) -> float:
-        if any(math.isnan(x) for x in args):
-            return NAN
+        for x in args:
+            if math.isnan(x):
+                return NAN
         try:
             return float(function(*args))
         except ValueError:

@@ -38,7 +38,7 @@ from trackmarshal.runtime.verdict import Bound, Truth
 #: The index of the variable of each axis that is bound, by the axis's level.
 Env = dict[int, int]
 #: Numbers that are as quickly read again as looked up.
-_READ_AT_ONCE = (ir.Param, ir.Sample, ir.Scalar)
+_READ_AT_ONCE = {ir.Const, ir.Param, ir.Sample, ir.Scalar}
 
 
 #: What `levels` found, as long as a node is there.
@@ -58,20 +58,26 @@ def levels(node: Node) -> frozenset[int]:
 
 
 class Reference:
-    """Values of the nodes of a spec for one case, given the numbers that state machines keep; formulas, and numbers that not every bound variable is in, are computed once."""
+    """Values of the nodes of a spec for one case, given the numbers that state machines keep; formulas, and numbers that not every bound variable is in, are computed once
+    for what the variables in them stand for.
 
-    def __init__(self, spec: Spec, frame: Frame, kept: Mapping[ir.Kept, float] | None = None) -> None:
+    often: the same is asked about many times, as by all rules of a spec: then every number is computed once.
+    """
+
+    def __init__(
+        self, spec: Spec, frame: Frame, kept: Mapping[ir.Kept, float] | None = None, often: bool = False
+    ) -> None:
         self.spec = spec
+        self._often = often
         self._kept = kept or {}
         self.frame = frame
-        #: By node, as in all that follows: a node is equal to itself alone.
-        self._truths: dict[tuple[ir.Formula, tuple[tuple[int, int], ...]], Truth] = {}
+        #: By node, as in all that follows (a node is equal to itself alone): the levels that it reads, and what it was for what stood there.
+        self._truths: dict[ir.Formula, tuple[tuple[int, ...], dict[object, Truth]]] = {}
         self._series: dict[tuple[ir.Timed, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[ir.Line, geometry.Line] = {}
         self._regions: dict[ir.Area, geometry.Region | str] = {}
         #: Where columns are read: the numbers, the level of their axis, and how many places further.
         self._columns: dict[ir.Column, tuple[list[float], int, int]] = {}
-        #: Of numbers: the levels that they read, and what they were for what stood there.
         self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float]]] = {}
         self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
 
@@ -79,18 +85,16 @@ class Reference:
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
-        if isinstance(node, ir.Column):
-            return self._read(node, env)
-        if not isinstance(node, ir.Arith):  # of which there is most
-            if isinstance(node, ir.Const):
-                return node.value
-            if type(node) in _READ_AT_ONCE:
-                return self._number(node, env)
+        kind = type(node)
+        if kind is ir.Column:
+            return self._read(node, env)  # type: ignore[arg-type]
+        if kind in _READ_AT_ONCE:
+            return self._number(node, env)
         known = self._numbers.get(node)
         if known is None:
             known = self._numbers[node] = (tuple(levels(node)), {})
         read, values = known
-        if len(env) <= len(read):  # every variable that is bound, mostly
+        if len(env) <= len(read) and not self._often:  # every variable that is bound, mostly
             return self._number(node, env)
         key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
         value = values.get(key)
@@ -237,10 +241,14 @@ class Reference:
 
     def truth(self, node: ir.Formula, env: Env) -> Truth:
         """The value of a formula between its worst and its best case."""
-        key = (node, tuple(env.items()))
-        value = self._truths.get(key)
+        known = self._truths.get(node)
+        if known is None:
+            known = self._truths[node] = (tuple(levels(node)), {})
+        read, values = known
+        key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
+        value = values.get(key)
         if value is None:
-            value = self._truths[key] = self._truth(node, env)
+            value = values[key] = self._truth(node, env)
         return value
 
     def _truth(self, node: ir.Formula, env: Env) -> Truth:

@@ -32,8 +32,8 @@ LEAST = -2.2250738585072014e-308
 
 #: Segments of a border that follow each other, and their box.
 Stretch = tuple[Box, tuple[tuple[Point, Point], ...]]
-#: The same seen from a body: how far its box is from the one of the body, and how large it is, both [m].
-Seen = tuple[float, float, tuple[tuple[Point, Point], ...]]
+#: The same seen from a body: how far its box is from the one of the body [m].
+Seen = tuple[float, tuple[tuple[Point, Point], ...]]
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,11 @@ class Region:
         """The border in stretches, each with its box."""
         parts = [self.border[at : at + STRETCH] for at in range(0, len(self.border), STRETCH)]
         return [(box_of([point for ends in part for point in ends]), part) for part in parts]
+
+    @cached_property
+    def largest(self) -> float:
+        """How large the largest stretch is [m]."""
+        return max(box.size for box, _ in self.stretches)
 
     @cached_property
     def levels(self) -> list[list[tuple[float, float, tuple[tuple[Point, Point], ...]]]]:
@@ -122,15 +127,15 @@ def piece_margin(region: Region, first: Placed, second: Placed, length: float, w
     x0, y0 = first.x, first.y
     corners = swept_corners(first, second, length, width)
     hull, body = chain(convex_hull(corners), True), Body.of(corners, first)
-    stretches = [(box.apart(body.around, x0, y0), box.size, part) for box, part in region.stretches]
+    stretches = [(box.apart(body.around, x0, y0), part) for box, part in region.stretches]
     reach = first_reach(stretches, body)
-    border = near(stretches, body, reach)
+    border = near(stretches, body, reach, region.largest)
     entering = [s for off, s in border if off <= body.surely(0.0, s) and enters(s, hull)]
     if not entering and region.holds((x0 + second.x) / 2, (y0 + second.y) / 2):
         return gap(body, hull, border, reach)
     worst = 0.0
     # A corner is no farther from the border than another one is, and the way to that.
-    around_all = near(stretches, body, reach + body.size)
+    around_all = near(stretches, body, reach + body.size, region.largest)
     for x, y in corners:
         reach = min(distance(x, y, s) for _, s in around_all)
         if reach > 0.0 and not region.holds(x + x0, y + y0):
@@ -174,21 +179,21 @@ class Body(NamedTuple):
 
 def first_reach(stretches: Sequence[Seen], body: Body) -> float:
     """How far a corner is from the segment that looks nearest, of the stretch that does: it is no farther from the border."""
-    _, s = min(near([min(stretches, key=itemgetter(0))], body, math.inf))
+    _, s = min(near([min(stretches, key=itemgetter(0))], body, math.inf, math.inf))
     return nearest(body.corners, s)
 
 
-def near(stretches: Sequence[Seen], body: Body, known: float) -> list[tuple[float, Segment]]:
+def near(stretches: Sequence[Seen], body: Body, known: float, largest: float) -> list[tuple[float, Segment]]:
     """The segments of a border, seen as the body is, without those that are surely farther from it than is `known`: they do not enter it, and have no
-    end in it. With each how far it is at least."""
+    end in it. With each how far it is at least. largest: how large a stretch may be."""
     x, y, ahead, aside = body.first
     back, front, right, left = body.along
+    limit = surely(known, body.size + largest)
+    west, east, south, north = body.around.wider(limit)
     found = []
-    for apart, size, part in stretches:
-        limit = surely(known, body.size + size)
+    for apart, part in stretches:
         if apart > limit:
             continue
-        west, east, south, north = body.around.wider(limit)
         for a, b in part:
             # All written out: there are many, most lie on one side of the box, and need not be made.
             ax, ay, bx, by = a[0] - x, a[1] - y, b[0] - x, b[1] - y
