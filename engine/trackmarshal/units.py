@@ -125,7 +125,9 @@ def from_si(number: float, unit: str) -> float:
     """
     multiplier, divisor, _ = parse_unit(unit)
     near = number * divisor / multiplier
-    for candidate in (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
+    if near * multiplier / divisor == number:  # mostly
+        return near
+    for candidate in (math.nextafter(near, math.inf), math.nextafter(near, -math.inf)):
         if candidate * multiplier / divisor == number:
             return candidate
     return near

@@ -6,6 +6,7 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from statistics import median
 from typing import Any
 
@@ -26,7 +27,7 @@ LONGEST_HOLD = 2.5
 NEAR = 0.25
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Lane:
     """One rule on one candidate: a letter and a margin a cycle, in the rule's unit, the cycle of the least margin, where it fired."""
 
@@ -41,10 +42,14 @@ class Lane:
 
     def measured(self) -> list[float]:
         """Finite margins of the cycles in which the rule held or was violated."""
+        return self._measured
+
+    @cached_property
+    def _measured(self) -> list[float]:
         return [m for m, letter in zip(self.margin, self.verdict) if letter in "sv" and math.isfinite(m)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rule:
     """A rule or a monitored assumption, with its lanes by candidate."""
 
@@ -73,7 +78,7 @@ class Rule:
             (number(f["from"]) for lane in self.lanes.values() for f in lane.firings), default=math.inf
         )
 
-    @property
+    @cached_property
     def nearness(self) -> float:
         """The smallest margin as a share of the median one, over the candidates; infinite where the median is not positive.
 
@@ -161,10 +166,9 @@ class Run:
         others = {self.judged_by(rule) for rule in self.rules if rule.name not in kinds}
         truths = {kind: self.truth.get(kind) or [None] * self.cycles for kind in kinds.values()}
         alone = [truth for kind, truth in truths.items() if kind not in others]
-        return [
-            False if any(truth[i] is False for truth in alone) else all(truth[i] for truth in truths.values()) or None
-            for i in range(self.cycles)
-        ]  # fmt: skip
+        of_all = zip(*truths.values()) if truths else [()] * self.cycles
+        of_alone = zip(*alone) if alone else [()] * self.cycles
+        return [False if False in own else all(values) or None for own, values in zip(of_alone, of_all)]
 
     def whole_truth(self) -> list[bool | None]:
         """All kinds of ground truth together: unsafe where one says so, safe where all do, else free."""
@@ -213,7 +217,9 @@ def _run(name: str, record: Mapping[str, Any]) -> Run:
             columns[f"{entry['name']}.{candidate}.margin"] = lane["margin"]
             if unknown := set(lane["verdict"]) - set(VERDICTS):
                 raise ValueError(f"unknown verdicts {sorted(unknown)}")
-            margin = [math.nan if m is None else from_si(number(m), shown) for m in lane["margin"]]
+            margin = [math.nan if m is None else number(m) for m in lane["margin"]]
+            if shown != "1":
+                margin = [from_si(m, shown) for m in margin]
             lanes[candidate] = Lane(lane["verdict"], margin, lane["least"], lane["firings"])
         known = {field: entry[field] for field in RULE_FIELDS}
         scale = None if entry.get("scale") is None else from_si(number(entry["scale"]), shown)

@@ -68,20 +68,24 @@ def _score(run: Run, requirement: str, title: str, rules: Sequence[Rule]) -> Sco
         each = [(place, rule.lanes[candidate]) for place, rule in enumerate(rules) if candidate in rule.lanes]
         if not each:
             continue
-        letters, margins, places = [], [], []
-        for i in range(run.cycles):
-            letters.append(min((lane.verdict[i] for _, lane in each), key=_WORST.index))
-            known = [
-                (lane.margin[i] / sizes[place], place)
-                for place, lane in each
-                if shown[place] and lane.verdict[i] in "sv" and not math.isnan(lane.margin[i])
-            ]
-            least, place = min(known, default=(math.nan, -1))
-            margins.append(least)
-            places.append(place)
-        lanes[candidate] = Lane("".join(letters), margins, None, ())
-        by[candidate] = places
+        letters = [min(said, key=_WORST.index) for said in zip(*(lane.verdict for _, lane in each))]
+        known = [_sized(lane, sizes[place], place) for place, lane in each if shown[place]]
+        least = [min(filter(None, of), default=_NONE) for of in zip(*known)] or [_NONE] * run.cycles
+        lanes[candidate] = Lane("".join(letters), [margin for margin, _ in least], None, ())
+        by[candidate] = [place for _, place in least]
     return Score(requirement, title, rules, lanes, by)
+
+
+#: The margin of no rule, and its place.
+_NONE = (math.nan, -1)
+
+
+def _sized(lane: Lane, size: float, place: int) -> list[tuple[float, int] | None]:
+    """Per cycle the margin of the rule in this place by its size, and the place; None where it has no margin."""
+    return [
+        (margin / size, place) if letter in "sv" and not math.isnan(margin) else None
+        for margin, letter in zip(lane.margin, lane.verdict)
+    ]
 
 
 def score_rows(run: Run, found: Sequence[Score]) -> Iterator[dict[str, Any]]:

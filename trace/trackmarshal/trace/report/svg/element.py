@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import cache
 from html import escape
 
 #: Average width of a character, as a share of the font's size: to keep labels apart.
@@ -11,11 +12,7 @@ CHARACTER = 0.56
 
 def tag(name: str, *children: str, **attributes: object) -> str:
     """An element; `class_` is `class`, other underscores are hyphens, None leaves an attribute out."""
-    parts = [
-        f' {key.rstrip("_").replace("_", "-")}="{_value(value)}"'
-        for key, value in attributes.items()
-        if value is not None
-    ]
+    parts = [f' {_name(key)}="{_value(value)}"' for key, value in attributes.items() if value is not None]
     inside = "".join(children)
     return f"<{name}{''.join(parts)}>{inside}</{name}>" if inside else f"<{name}{''.join(parts)}/>"
 
@@ -55,9 +52,10 @@ def short(value: float) -> str:
 
 def thinned(pairs: Sequence[tuple[float, float]], least: float) -> list[tuple[float, float]]:
     """Points without those that are nearer than `least` to the last one kept; both ends stay."""
-    kept: list[tuple[float, float]] = []
-    for point in pairs:
-        if not kept or (point[0] - kept[-1][0]) ** 2 + (point[1] - kept[-1][1]) ** 2 >= least * least:
+    kept = list(pairs[:1])
+    for point in pairs[1:]:
+        across, down = point[0] - kept[-1][0], point[1] - kept[-1][1]
+        if across * across + down * down >= least * least:
             kept.append(point)
     if pairs and kept[-1] != pairs[-1]:
         kept.append(pairs[-1])
@@ -72,6 +70,11 @@ def fitted(words: str, width: float, size: float) -> str:
     """Words cut to a width, with an ellipsis."""
     room = int(width / (size * CHARACTER))
     return words if len(words) <= room else words[: max(1, room - 1)] + "…"
+
+
+@cache
+def _name(key: str) -> str:
+    return key.rstrip("_").replace("_", "-")
 
 
 def _value(value: object) -> str:
