@@ -240,9 +240,8 @@ def run_summary(
             name: dict(Counter(one.verdict for one in each if one is not None))
             for name, each in rated.items()
         }
-        first = next(
-            (c.t for c, *found in zip(outcome.cycles, *rated.values()) if any(map(_violated, found))), None
-        )
+        against = [each for name, each in rated.items() if "violated" in counts[name]]
+        first = next((c.t for c, *found in zip(outcome.cycles, *against) if any(map(_violated, found))), None)
         facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first, len(due)))
     truths = {}
     for judged in outcome.truths:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import assert_never
+from collections.abc import Iterable, Mapping
+from typing import TypeAlias, assert_never
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
@@ -21,6 +21,8 @@ from trackmarshal.ir.spec import (
 from trackmarshal.meaning.inputs import Inputs, key, sha256
 from trackmarshal.node import Node
 
+Declared: TypeAlias = ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo | RulebookInfo
+
 #: The hash of a parameter or a table whose declaration has an error.
 _NOTHING = sha256("nothing")
 
@@ -31,11 +33,13 @@ class Meaning:
     def __init__(self, spec: Spec) -> None:
         self.spec = spec
         self._rules: dict[str, Inputs] = {}
+        #: By kind and name, the hashes of declarations: many rules read the same ones.
+        self._declared: dict[tuple[str, str], str] = {}
 
     def rule(self, rule: RuleInfo) -> Inputs:
         """What a rule means, and all that it reads: `rule NAME`, and `param`, `table`, `place`, `signal`, `constraints` where it has any."""
         if rule.name not in self._rules:
-            self._rules[rule.name] = _inputs(self.spec, rule)
+            self._rules[rule.name] = self._inputs(rule)
         return self._rules[rule.name]
 
     def fingerprint(self, rule: RuleInfo) -> str:
@@ -45,6 +49,44 @@ class Meaning:
     def run(self, rules: Iterable[RuleInfo], others: Inputs) -> Inputs:
         """What a run of these rules rests on: each of them as one hash of all that it rests on, and the `others`."""
         return {**{f"rule {rule.name}": self.fingerprint(rule) for rule in rules}, **others}
+
+    def _inputs(self, rule: RuleInfo) -> Inputs:
+        spec, of = self.spec, self._of
+        formulas = [formula for formula in (rule.formula, rule.active) if formula is not None]
+        nodes = [node for formula in formulas for node in ir.below(formula)]
+        said = [
+            rule.kind,
+            "advisory" if rule.advisory else "",
+            repr(rule.along and (rule.along.signal, rule.along.kind, rule.along.width)),
+            *(describe(formula, names=False) for formula in formulas),
+            repr(rule.active is None),
+            repr(rule.course),
+            repr(spec.scales) if rule.unit == SCALED else "",
+        ]
+        params = sorted({node.name for node in nodes if isinstance(node, ir.Param)})
+        tables = sorted({node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)})
+        named = {node.name for node in nodes if isinstance(node, ir.Area | ir.Line | ir.StretchRoom)}
+        found = {f"rule {rule.name}": sha256(*said)}
+        found |= {f"param {name}": of("param", name, spec.params) for name in params}
+        found |= {f"table {name}": of("table", name, spec.tables) for name in tables}
+        found |= {
+            f"place {name}": of("place", name, spec.places) for name in sorted(named & spec.places.keys())
+        }
+        for name in sorted({signal for signal, _ in rule.reads}):
+            if name in spec.signals:
+                found[f"signal {name}"] = of("signal", name, spec.signals)
+            elif name not in spec.events and all(course.signal.name != name for course in spec.courses):
+                raise ValueError(f"`{rule.name}` reads `{name}`, which is no signal")
+        demands = sorted(_constraints(spec, set(params)))
+        if demands:
+            found["constraints"] = sha256(*demands)
+        return found
+
+    def _of(self, kind: str, name: str, declared: Mapping[str, Declared]) -> str:
+        """The hash of a declaration. What has an error of its own is missing in the spec, which nobody evaluates: it means nothing yet."""
+        if (kind, name) not in self._declared:
+            self._declared[kind, name] = of(declared[name]) if name in declared else _NOTHING
+        return self._declared[kind, name]
 
 
 def whole(spec: Spec, rule: RuleInfo) -> bool:
@@ -65,7 +107,7 @@ def restricted(constraint: ConstraintInfo) -> tuple[str, ...]:
     )
 
 
-def of(info: ParamInfo | TableInfo | PlaceInfo | SignalType | ConstraintInfo | RulebookInfo) -> str:
+def of(info: Declared) -> str:
     """The hash of a declaration: what it is called and says, not where it stands, nor where a value comes from."""
     match info:
         case ConstraintInfo():
@@ -96,37 +138,6 @@ def _told(value: object) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_told, value))})"
     return repr(value)
-
-
-def _inputs(spec: Spec, rule: RuleInfo) -> Inputs:
-    formulas = [formula for formula in (rule.formula, rule.active) if formula is not None]
-    nodes = [node for formula in formulas for node in ir.below(formula)]
-    said = [
-        rule.kind,
-        "advisory" if rule.advisory else "",
-        repr(rule.along and (rule.along.signal, rule.along.kind, rule.along.width)),
-        *(describe(formula, names=False) for formula in formulas),
-        repr(rule.active is None),
-        repr(rule.course),
-        repr(spec.scales) if rule.unit == SCALED else "",
-    ]
-    params = sorted({node.name for node in nodes if isinstance(node, ir.Param)})
-    tables = sorted({node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)})
-    named = {node.name for node in nodes if isinstance(node, ir.Area | ir.Line | ir.StretchRoom)}
-    found = {f"rule {rule.name}": sha256(*said)}
-    # What has an error of its own is missing in the spec, which nobody evaluates: it means nothing yet.
-    found |= {f"param {name}": of(spec.params[name]) if name in spec.params else _NOTHING for name in params}
-    found |= {f"table {name}": of(spec.tables[name]) if name in spec.tables else _NOTHING for name in tables}
-    found |= {f"place {name}": of(spec.places[name]) for name in sorted(named & spec.places.keys())}
-    for name in sorted({signal for signal, _ in rule.reads}):
-        if name in spec.signals:
-            found[f"signal {name}"] = of(spec.signals[name])
-        elif name not in spec.events and all(course.signal.name != name for course in spec.courses):
-            raise ValueError(f"`{rule.name}` reads `{name}`, which is no signal")
-    demands = sorted(_constraints(spec, set(params)))
-    if demands:
-        found["constraints"] = sha256(*demands)
-    return found
 
 
 def _constraints(spec: Spec, params: set[str]) -> Iterable[str]:

@@ -86,6 +86,8 @@ class Code:
         every = ordered([*formulas, *ranges])
         #: Of nodes that are computed alike, the one that is.
         self._same = representatives(every)
+        #: What nodes are computed of: asked for at each step below.
+        self._operands: dict[ir.IR, list[ir.Num | ir.Formula]] = {}
         nodes = list(dict.fromkeys(self._same.values()))
         self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
@@ -184,7 +186,10 @@ class Code:
 
     def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
         """What a node is computed of."""
-        return [self._same[child] for child in ir.operands(node)]
+        known = self._operands.get(node)
+        if known is None:
+            known = self._operands[node] = [self._same[child] for child in ir.operands(node)]
+        return known
 
     def _point(self, node: ir.Projected) -> Point:
         """The point that is projected."""

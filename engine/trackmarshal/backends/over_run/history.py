@@ -120,7 +120,7 @@ class History:
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
         """The value of a formula about cycle k."""
-        key = node, k, tuple(sorted(ids.items()))
+        key = node, k, _sorted(ids)
         known = self._values.get(key)
         if known is None:
             known = self._values[key] = self._value(node, k, ids)
@@ -218,7 +218,7 @@ class History:
 
     def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
         """What a machine may be in after cycle k; asked for by each of its states and numbers, it is found out once."""
-        key = machine, k, tuple(sorted(ids.items()))
+        key = machine, k, _sorted(ids)
         known = self._possible.get(key)
         if known is None:
             known = self._possible[key] = self._gone_through(machine, k, ids)
@@ -427,6 +427,10 @@ def lived(
                 held[name] = life, k
         found.append(now)
     return found
+
+
+def _sorted(ids: Ids) -> tuple[tuple[int, str], ...]:
+    return tuple(ids.items()) if len(ids) < 2 else tuple(sorted(ids.items()))
 
 
 def _named(node: ir.Formula | ir.Num, ids: Ids) -> tuple[str, ...]:
