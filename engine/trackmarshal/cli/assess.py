@@ -134,16 +134,11 @@ def _shown(made: Assessment) -> Shown:
     unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
     failed = {(r.rule, r.title) for r in made.results if r.outcome != "passed"}
     covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances, failed)
-    runs = [
-        ShownRun(
-            summary.scenario,
-            outcome.met,
-            {
-                **run_record(outcome, evaluator, summary.source_hash),
-                "told": told_moments(outcome, evaluator),
-            },
-        )
-        for summary, outcome, evaluator in made.replays
-    ]
+    runs = []
+    while made.replays:  # what was kept of a run is large, and done with when its record is made
+        summary, outcome, evaluator = made.replays.pop(0)
+        record = run_record(outcome, evaluator, summary.source_hash)
+        told = told_moments(outcome, evaluator)
+        runs.append(ShownRun(summary.scenario, outcome.met, {**record, "told": told}))
     uncovered = [c.rule.name for c in covered if not c.complete]
     return Shown(len(sources.compiled.order), sources.compiled.spec.fingerprint, uncovered, runs)
