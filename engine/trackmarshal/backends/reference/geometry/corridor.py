@@ -187,18 +187,23 @@ def _crossing_fault(rings: Sequence[Sequence[tuple[Point, Point, str]]]) -> str 
         (*side, ring, index) for ring, ring_sides in enumerate(rings) for index, side in enumerate(ring_sides)
     ]
     boxes = [(min(a[0], b[0]), max(a[0], b[0]), min(a[1], b[1]), max(a[1], b[1])) for a, b, *_ in sides]
+    beside: list[list[int]] = [[] for _ in sides]
+    # From left to right: what begins behind the end of a box is not beside it, and neither is what follows.
+    by_left = sorted(range(len(sides)), key=lambda i: boxes[i][0])
+    for place, i in enumerate(by_left, 1):
+        _, right, low, high = boxes[i]
+        for j in by_left[place:]:
+            start, _, bottom, top = boxes[j]
+            if start > right:
+                break
+            if bottom <= high and top >= low:
+                beside[min(i, j)].append(max(i, j))
     for i, (a, b, first, ring, at) in enumerate(sides):
         count = len(rings[ring])
         following = rings[ring][(at + 1) % count]
         if folds_back(a, b, following[1]):
             return f"{first} folds back on itself near {_place(b)}"
-        left, right, low, high = boxes[i]
-        beside = [
-            i + 1 + j
-            for j, (start, end, bottom, top) in enumerate(boxes[i + 1 :])
-            if start <= right and end >= left and bottom <= high and top >= low
-        ]
-        for c, d, second, other, place in map(sides.__getitem__, beside):
+        for c, d, second, other, place in map(sides.__getitem__, sorted(beside[i])):
             neighbours = ring == other and (place - at in (1, count - 1))
             if not neighbours and meet(a, b, c, d):
                 where = _place(meeting_place(a, b, c, d))
