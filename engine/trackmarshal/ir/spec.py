@@ -57,7 +57,10 @@ class SignalType(Node):
     forget: int = 0
 
     def field(self, name: str) -> FieldType | None:
-        return next((field for field in self.fields_ if field.name == name), None)
+        for field in self.fields_:
+            if field.name == name:
+                return field
+        return None
 
     @property
     def sequence(self) -> bool:
