@@ -1,0 +1,147 @@
+"""What is asked again and again is worked out once, and comes to the same: no work is done for objects that stay, nor for what nobody reads."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from typing import Any
+
+import numpy as np
+import pytest
+
+from support.agreement import compiled, read
+from support.cycles import cycle
+from support.supervised import shipped
+from trackmarshal.backends.reference.evaluator import Env, Reference
+from trackmarshal.ir import nodes as ir
+from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.door.columns import ColumnsReader
+from trackmarshal.runtime.faults import Fault
+from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
+from trackmarshal.runtime.verdict import Truth
+
+SPEC = """module made
+signal plan : trajectory { t: s increasing, x: m }
+signal ego : state { x: m }
+signal other : set of object { x: m }
+rule r "r"
+  for all p in plan
+  for all o in other where o.x > ego.x
+  require abs(p.x - o.x) + abs(ego.x - o.x) > 1 m
+"""
+
+
+def in_a_process_of_its_own(source: str) -> str:
+    done = subprocess.run([sys.executable, "-c", source], capture_output=True, text=True, check=True)
+    return done.stdout.strip()
+
+
+SELDOM = """
+import gc
+from trackmarshal.cli.collecting import seldom
+looks = []
+{before}
+usual, frozen = gc.get_threshold(), gc.get_freeze_count()
+gc.callbacks.append(lambda phase, info: looks.append(phase))
+with seldom():
+    kept = [[] for _ in range(100_000)]
+    circle = []
+    circle.append(circle)
+    del circle
+more = [[] for _ in range(usual[0] // 2)]
+print(len(looks) // 2, gc.get_threshold() == usual, bool(gc.get_freeze_count()) == bool(frozen), gc.collect() > 0)
+"""
+
+
+def test_what_stays_of_a_batch_of_work_is_not_looked_through_at_its_end() -> None:
+    assert in_a_process_of_its_own(SELDOM.format(before="gc.collect()")) == "0 True True True"
+
+
+def test_what_others_set_aside_stays_there() -> None:
+    said = in_a_process_of_its_own(SELDOM.format(before="gc.collect(); gc.freeze()"))
+    assert said.split()[1:3] == ["True", "True"]
+
+
+def test_cases_are_read_without_importing_masked_arrays() -> None:
+    source = """
+import sys
+import trackmarshal as tm
+from trackmarshal.runtime.door.values import is_array, is_masked, numbers
+import numpy as np
+assert numbers(np.array([1, 2])).tolist() == [1.0, 2.0] and is_array(np.zeros(1)) and not is_array([0.0])
+before = "numpy.ma" in sys.modules
+hidden = np.ma.MaskedArray([1.0, 2.0], [False, True])
+assert is_masked(hidden) and is_array(hidden) and not is_masked(np.zeros(1))
+print(before, numbers(hidden).tolist())
+"""
+    assert in_a_process_of_its_own(source) == "False [1.0, nan]"
+
+
+EGO = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        EGO,
+        {**EGO, "kappa": 0.0, "a": 1.0},
+        {**EGO, "hedaing": 1.0},
+        {**EGO, 3: 1.0},
+        {**EGO, "x": 1, "more": None},
+        {**EGO, "x": None, "more": 1.0},
+        {"x": 1.0, "more": 1.0},
+    ],
+)
+def test_a_record_with_unknown_names_is_read_as_by_a_closer_look(raw: dict[Any, Any]) -> None:
+    supervised = of_cycles(shipped(), shipped().rules)
+    (signal,) = (one for one in supervised.signals if one.name == "ego")
+    quickly, closely = list[Fault](), list[Fault]()
+    one, other = ColumnsReader(signal).read(raw, quickly), ColumnsReader(signal)._closely(raw, closely)
+    assert quickly == closely
+    assert one.values.tobytes() == other.values.tobytes()
+    assert (one.count, one.ids, one.absent) == (other.count, other.ids, other.absent)
+
+
+def test_a_record_of_a_cycle_has_what_is_left_out_of_it_above() -> None:
+    assert set(cycle(0).signals["ego"]) <= set(EGO)
+
+
+class Counted(Reference):
+    """How often each formula is worked out."""
+
+    def __init__(self, *given: Any, often: bool = False) -> None:
+        super().__init__(*given, often=often)
+        self.made: Counter[ir.Formula] = Counter()
+
+    def _truth(self, node: ir.Formula, env: Env) -> Truth:
+        self.made[node] += 1
+        return super()._truth(node, env)
+
+
+@pytest.mark.parametrize("often", [False, True])
+def test_a_formula_is_worked_out_once_for_what_its_own_variables_stand_for(often: bool) -> None:
+    spec = compiled(SPEC)
+    plan = {"t": [0.0, 1.0, 2.0], "x": [0.0, 1.5, 9.0]}
+    others = [{"x": -1.0}, {"x": 2.0}, {"x": 5.0}, {"x": 8.5}]
+    (case,) = read(spec, ({"id": 0, "signals": {"plan": plan, "ego": {"x": 0.0}, "other": others}},))
+    values = Counted(spec, case, often=often)
+    formula = spec.rules[0].formula
+    assert formula is not None
+    truth = values.truth(formula, {})
+    assert (truth.verdict, truth.margin) == ("satisfied", 1.5)
+    compared = sorted(times for node, times in values.made.items() if isinstance(node, ir.Compare))
+    # Whether an element is in range depends on no sample: of 3 x 4 pairs, 4 are asked about; 3 elements are in range of 3 samples.
+    assert compared == [4, 9]
+
+
+def test_no_grid_is_made_of_what_nobody_looks_for_in_one() -> None:
+    corridor = Corridor([[0.0, 2.0], [50.0, 2.0]], [[0.0, -2.0], [50.0, -2.0]])
+    assert corridor.centre.project(np.array([1.0]), np.array([0.5]))[1].tolist() == [0.5]
+    zone = Polygon([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    assert zone.signed_distance([1.0], [0.5]).tolist() == [0.5]
+    for area in (corridor, zone):
+        assert area._region is not None
+        assert "cells" not in vars(area._region)
+    assert corridor.margin_inside(5.0, 0.0, 0.0, 6.0, 0.0, 0.0, 4.0, 2.0).tolist() == [1.0]
+    assert "cells" in vars(corridor._region)
