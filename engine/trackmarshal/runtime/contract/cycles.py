@@ -6,6 +6,10 @@ not hold is the breach, and the rows behind it are not looked at.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
 from trackmarshal.ir.overrun import FURTHEST
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import MOST
@@ -18,6 +22,12 @@ class Demand(Node):
     fault: str
     field: str
     holds: Condition
+
+    @cached_property
+    def ready(self) -> tuple[tuple[str, ...], Callable[..., Any]]:
+        """The names that its condition speaks of, and the function of them in that order: asked several times in every cycle."""
+        names = tuple(sorted(self.holds.names))
+        return names, self.holds.function(*names)
 
 
 def _demand(fault: str, field: str, holds: str) -> Demand:

@@ -195,13 +195,5 @@ class _Demands:
 
 def holds(demand: Demand, given: dict[str, Any], limits: Limits) -> bool:
     """Whether a demand holds, given what it speaks of; limits by name."""
-    ready = _READY.get(id(demand))
-    if ready is None or ready[0] is not demand:
-        names = tuple(sorted(demand.holds.names))
-        ready = _READY[id(demand)] = demand, names, demand.holds.function(*names)
-    _, names, function = ready
+    names, function = demand.ready
     return bool(function(*[given[name] if name in given else getattr(limits, name) for name in names]))
-
-
-#: By the demand that it is: what is asked several times in every cycle is not compared field by field.
-_READY: dict[int, tuple[Demand, tuple[str, ...], Any]] = {}
