@@ -6,10 +6,12 @@ The reference evaluator and the compiler's constants use these; the numpy evalua
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Sequence
 from typing import assert_never
 
 from trackmarshal.ir.operators import (
+    ARITHMETIC,
     COMPARISONS,
     FUNCTIONS,
     ArithmeticOp,
@@ -21,23 +23,35 @@ from trackmarshal.ir.operators import (
 NAN = math.nan
 
 
-def arith(op: ArithmeticOp, a: float, b: float) -> float:
-    """`+ - * /`; a division by zero gives an infinity or NaN, as IEEE 754 says."""
+def _divided(a: float, b: float) -> float:
+    if b != 0.0:
+        return a / b
+    if a == 0.0 or math.isnan(a) or math.isnan(b):
+        return NAN
+    return math.copysign(math.inf, a) * math.copysign(1.0, b)
+
+
+def _operation(op: ArithmeticOp) -> Callable[[float, float], float]:
     match op:
         case "+":
-            return a + b
+            return operator.add
         case "-":
-            return a - b
+            return operator.sub
         case "*":
-            return a * b
+            return operator.mul
         case "/":
-            if b != 0.0:
-                return a / b
-            if a == 0.0 or math.isnan(a) or math.isnan(b):
-                return NAN
-            return math.copysign(math.inf, a) * math.copysign(1.0, b)
+            return _divided
         case _:
             assert_never(op)
+
+
+#: `+ - * /`, by themselves for what asks for many; a division by zero gives an infinity or NaN, as IEEE 754 says.
+OPERATIONS = {op: _operation(op) for op in ARITHMETIC}
+
+
+def arith(op: ArithmeticOp, a: float, b: float) -> float:
+    """One of them."""
+    return OPERATIONS[op](a, b)
 
 
 def _total(function: Callable[..., float]) -> Callable[..., float]:
@@ -172,17 +186,23 @@ def compare(op: ComparisonOp, a: float, b: float) -> bool:
             assert_never(op)
 
 
-def margin(op: ComparisonOp, a: float, b: float) -> float:
-    """How far inside a comparison is: positive inside, negative outside."""
-    measure = COMPARISONS[op].measure
+def _measured(measure: Measure) -> Callable[[float, float], float]:
     match measure:
         case Measure.ROOM:
-            return b - a
+            return lambda a, b: b - a
         case Measure.NEARNESS:
-            return -abs(a - b)
+            return lambda a, b: -abs(a - b)
         case Measure.DISTANCE:
-            return abs(a - b)
+            return lambda a, b: abs(a - b)
         case Measure.SAMENESS:
-            return math.inf if a == b else -math.inf
+            return lambda a, b: math.inf if a == b else -math.inf
         case _:
             assert_never(measure)
+
+
+_MARGINS = {op: _measured(comparison.measure) for op, comparison in COMPARISONS.items()}
+
+
+def margin(op: ComparisonOp, a: float, b: float) -> float:
+    """How far inside a comparison is: positive inside, negative outside."""
+    return _MARGINS[op](a, b)

@@ -105,7 +105,8 @@ class Reference:
     def _number(self, node: ir.Num, env: Env) -> float:
         match node:  # what there is most of comes first
             case ir.Arith():
-                return arithmetic.arith(node.op, self.number(node.left, env), self.number(node.right, env))
+                operation = arithmetic.OPERATIONS[node.op]
+                return operation(self.number(node.left, env), self.number(node.right, env))
             case ir.Column():
                 return self._read(node, env)
             case ir.Const():
