@@ -188,7 +188,7 @@ def _whole(replay: Replay, candidate: str, number: int, rule: RuleInfo, cycle: i
 def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[str]]:
     """The units of a rule's margins, and those in which the limits are written that decided; of several of these, two are enough."""
     own = own_unit(rule.unit)
-    written = _written(rule)
+    written = _written(rule.formula)
     units = {rule.unit} if own and any(cycle.results for cycle in replay.cycles) else set()
     shown: set[str] = set()
     if own and written <= {""}:
@@ -213,15 +213,16 @@ def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[s
     return units, shown
 
 
-def _written(rule: RuleInfo) -> set[str]:
-    """The units in which the limits of everything that may decide a rule are written, "" for SI."""
+@lru_cache(maxsize=1024)
+def _written(formula: ir.Formula | None) -> frozenset[str]:
+    """The units in which the limits of everything that may decide a formula are written, "" for SI."""
     found = set()
-    for node in () if rule.formula is None else ir.below(rule.formula):
+    for node in () if formula is None else ir.below(formula):
         if isinstance(node, ir.Compare):
             found.add(node.shown)
         elif isinstance(node, ir.Flag | ir.SweptInside | ir.SweptClear | ir.InArea):
             found.add("")
-    return found
+    return frozenset(found)
 
 
 def _decisive(rule: RuleInfo) -> set[str]:
