@@ -312,9 +312,9 @@ def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) 
 
 
 def all_of(
-    stretches: list[region.Seen], body: region.Body, known: float
+    stretches: list[region.Seen], body: region.Body, known: float, largest: float
 ) -> list[tuple[float, region.Segment]]:
-    return [(0.0, segment(a, b, body.first[:2])) for _, _, part in stretches for a, b in part]
+    return [(0.0, segment(a, b, body.first[:2])) for _, part in stretches for a, b in part]
 
 
 def gap_to_all(
