@@ -14,6 +14,7 @@ import numpy as np
 
 from trackmarshal.backends.numpy import folds, lanes, logic, places, steps, tallies, time
 from trackmarshal.backends.numpy.batch import before, column_index
+from trackmarshal.backends.numpy.blocks import Guarding, blocks, together
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.ir import nodes as ir
@@ -21,7 +22,7 @@ from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
-    "where": logic.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO,
+    "where": logic.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO, "minus_inf": logic.MINUS_INF, "true": logic.TRUE, "false": logic.FALSE,
     "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
@@ -86,9 +87,13 @@ class Code:
         every = ordered([*formulas, *ranges])
         #: Of nodes that are computed alike, the one that is.
         self._same = representatives(every)
-        #: What nodes are computed of: asked for at each step below.
-        self._operands: dict[ir.IR, list[ir.Num | ir.Formula]] = {}
         nodes = list(dict.fromkeys(self._same.values()))
+        #: What nodes are computed of: asked for at each step below.
+        self._made_of = {node: [self._same[child] for child in ir.operands(node)] for node in nodes}
+        #: Nodes that are only worked out where a guard holds anywhere, with the formula that has it; and what is written of its block.
+        self._within = blocks(nodes, [*formulas, *ranges], self._same)
+        self._block: list[str] | None = None
+        nodes = together(nodes, self._within)
         self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([rank, *(axis.level + 2 for axis in axes)])
@@ -111,11 +116,16 @@ class Code:
         self._free: list[str] = []
         self._is_fixed: set[ir.IR] = set()
         last_use = {child: node for node in nodes for child in self._inputs(node)}
-        #: Points that are projected onto each line.
-        self._points: dict[ir.Line, list[Point]] = {}
+        #: Points that are projected onto each line, with the block that nobody else asks for them from.
+        self._points: dict[ir.Line, dict[Point, Guarding | None]] = {}
         for node in nodes:
             if isinstance(node, ir.Projected):
-                self._points.setdefault(node.line, []).append(self._point(node))
+                points, point, within = (
+                    self._points.setdefault(node.line, {}),
+                    self._point(node),
+                    self._within.get(node),
+                )
+                points[point] = within if points.get(point, within) is within else None
         for node in nodes:
             self._emit(node)
             for child in self._inputs(node):
@@ -125,15 +135,18 @@ class Code:
             node: self.formulas[one] for node, one in self._same.items() if one in self.formulas
         }
         #: Where, among the outputs, is what knows all margins of a formula of which only the least are among them.
-        self.least = {
-            node: self.outputs.index(self._least[one])
-            for node, one in self._same.items()
-            if one in self._least
-        }
+        at = {name: place for place, name in enumerate(self.outputs)}
+        self.least = {node: at[self._least[one]] for node, one in self._same.items() if one in self._least}
         #: Where, among the outputs, is whether a formula's margins are only those that its rule's verdict takes.
         partly = {
-            part: self.outputs.index(name)
+            node: at[self._left_out[top]]
+            for node, top in self._within.items()
+            if node in self.formulas and node not in self._is_fixed and top in self._left_out
+        }
+        partly |= {
+            part: at[name]
             for one, name in self._left_out.items()
+            if one in self._asked_of
             for part in self._asked_of[one].partly
         }
         self.partly = {node: partly[one] for node, one in self._same.items() if one in partly}
@@ -168,6 +181,8 @@ class Code:
             return
         if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(self._inputs(node)):
             self._is_fixed.add(node)
+        if self._block is None and node in self._within and node not in self._is_fixed:
+            self._block = []
         if isinstance(node, ir.Num):
             expression = self._number(node)
             name = self._numbers[node] = self._new(node)
@@ -183,13 +198,13 @@ class Code:
             made = self.formulas[node] = self._formula(node, len(self.formulas))
             if node in self._is_fixed:
                 self.left.extend(made.names)
+            if self._block is not None and node not in self._within:
+                assert isinstance(node, (ir.Quantify, ir.Guarded))
+                self._end_block(node, made)
 
     def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
         """What a node is computed of."""
-        known = self._operands.get(node)
-        if known is None:
-            known = self._operands[node] = [self._same[child] for child in ir.operands(node)]
-        return known
+        return self._made_of[node]
 
     def _point(self, node: ir.Projected) -> Point:
         """The point that is projected."""
@@ -199,7 +214,14 @@ class Code:
         return x, y
 
     def _line(self, node: ir.IR, text: str) -> None:
-        (self.fixed if node in self._is_fixed else self.varying).append(text)
+        (self.fixed if node in self._is_fixed else self._lines(self._block is not None)).append(text)
+
+    def _lines(self, within: bool) -> list[str]:
+        """Where what varies is written: within the block that is being written, or before it."""
+        if not within:
+            return self.varying
+        assert self._block is not None
+        return self._block
 
     def _new(self, node: ir.IR) -> str:
         if node not in self._is_fixed and self._free:
@@ -222,12 +244,40 @@ class Code:
             self.named[self._names[key]] = thing
         return self._names[key]
 
-    def _once(self, prefix: str, key: Any, expression: str) -> str:
-        """A variable of something of the batch, set where it is first needed."""
+    def _once(self, prefix: str, key: Any, expression: str, within: bool = False) -> str:
+        """A variable of something of the batch, set where it is first needed. within: it is of a block that is being written."""
         if (prefix, key) not in self._names:
             self._names[prefix, key] = f"{prefix}{len(self._names)}"
-            self.varying.append(f"{self._names[prefix, key]} = {expression}")
+            self._lines(within).append(f"{self._names[prefix, key]} = {expression}")
         return self._names[prefix, key]
+
+    def _end_block(self, top: Guarding, made: Variables) -> None:
+        """Write the block of a formula, or what it comes to where its guard holds nowhere: what it is made of has no value then."""
+        assert self._block is not None
+        block, self._block = self._block, None
+        members = [node for node, of in self._within.items() if of is top and node not in self._is_fixed]
+        flags = [self._left_out[node] for node in members if node in self._left_out]
+        least = [self._least[node] for node in members if node in self._least]
+        names = [name for node in members if node in self.formulas for name in self.formulas[node].names]
+        every = isinstance(top, ir.Guarded) or top.extreme is Extreme.LEAST
+        flag = self._left_out[top] = f"h{len(self._left_out)}"
+        values = {
+            "True": flags, "None": least, "inf" if every else "minus_inf": [*names, made.worst, made.best],
+            "true" if every else "false": [*filter(None, (made.worst_sat, made.best_sat))],
+        }  # fmt: skip
+        self.varying += [
+            f"{flag} = 1 not in {self._anywhere(top)}.tobytes()",
+            f"if {flag}:",
+            *(f"    {' = '.join(each)} = {value}" for value, each in values.items() if each),
+            "else:",
+            *(f"    {line}" for line in block),
+        ]
+
+    def _anywhere(self, top: Guarding) -> str:
+        """An expression of where the guard of a formula may hold."""
+        assert top.guard is not None
+        guard = self.formulas[self._same[top.guard]]
+        return self._ranges(top, guard)[1] if isinstance(top, ir.Quantify) else guard.sat(True)
 
     # Numbers --------------------------------------------------------------------------------------------------
 
@@ -291,12 +341,14 @@ class Code:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
         point = self._point(node)
         if ("p", node.line, point) not in self._names:
+            within = self._points[node.line][point]
             plain = [
                 (x, y)
-                for x, y in self._points[node.line]
+                for (x, y), of in self._points[node.line].items()
                 if ("p", node.line, (x, y)) not in self._names
                 and isinstance(x, _INPUTS)
                 and isinstance(y, _INPUTS)
+                and of is within is self._within.get(node)
             ]
             together = list(dict.fromkeys([point, *plain]))
             points = []
@@ -306,8 +358,8 @@ class Code:
                 points.append(_tuple((self._numbers[x], self._numbers[y])))
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
             self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
-            line = self._hold(node.line)
-            self.varying.append(f"{_tuple(names)} = project(b, {line}, {', '.join(points)})")
+            called = f"project(b, {self._hold(node.line)}, {', '.join(points)})"
+            self._lines(within is not None).append(f"{_tuple(names)} = {called}")
         return self._names["p", node.line, point]
 
     def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
@@ -449,13 +501,7 @@ class Code:
     def _quantifier(self, node: ir.Quantify, number: int, *parts: Variables) -> Variables:
         every = node.extreme is Extreme.LEAST
         reduce, axis, body = "every" if every else "some", 1 + node.axis.level, parts[-1]
-        maybe = surely = self._mask(node.axis)
-        if node.guard is not None:
-            # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
-            guard, mask, key = parts[0], maybe, (self._same[node.guard], maybe)
-            maybe = self._once("r", key, f"inside({mask}, {guard.sat(True)}, {self.rank})")
-            one = f"{maybe} if {guard.best} is {guard.worst} else "
-            surely = self._once("q", key, f"{one}inside({mask}, {guard.sat(False)}, {self.rank})")
+        surely, maybe = self._ranges(node, *parts[:-1])
 
         def inside(best: bool) -> str:
             return surely if best == every else maybe
@@ -465,6 +511,18 @@ class Code:
             lambda best: f"{reduce}({body.margin(best)}, {axis}, {inside(best)})",
             lambda best: f"{reduce}_sat({body.sat(best)}, {axis}, {inside(best)})",
         )  # fmt: skip
+
+    def _ranges(self, node: ir.Quantify, *guards: Variables) -> tuple[str, str]:
+        """The variables of what is in the range of a quantifier in the worst case, and in the best one."""
+        mask = self._mask(node.axis)
+        if node.guard is None:
+            return mask, mask
+        # See the reference evaluator: what may be in range counts against a `for all` in the worst case.
+        (guard,), key = guards, (self._same[node.guard], mask)
+        within = self._same[node.guard] in self._within
+        maybe = self._once("r", key, f"inside({mask}, {guard.sat(True)}, {self.rank})", within)
+        one = f"{maybe} if {guard.best} is {guard.worst} else "
+        return self._once("q", key, f"{one}inside({mask}, {guard.sat(False)}, {self.rank})", within), maybe
 
     def _mask(self, axis: ir.Axis) -> str:
         """The variable of what is there along an axis."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 Array = NDArray[Any]
 #: As arrays without axes, which numpy takes faster than numbers.
 INF, MINUS_INF, ZERO = np.array(np.inf), np.array(-np.inf), np.array(0.0)
+TRUE, FALSE = np.array(True), np.array(False)
 
 
 #: The same without the search for who else may define them, which takes as long as they do for a few numbers.
