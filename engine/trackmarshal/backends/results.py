@@ -84,6 +84,8 @@ class Stateless(ABC):
         return self.judge_all([frame])[0]
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
+        if not any(frame.candidates for frame in frames):
+            return [Judged(frame, {"": one}) for frame, one in zip(frames, self.rate_all(frames))]
         seen = [frame.seen() for frame in frames]
         rated = iter(self.rate_all([one for each in seen for _, one in each]))
         return [Judged(frame, {name: next(rated) for name, _ in each}) for frame, each in zip(frames, seen)]
@@ -94,10 +96,9 @@ class Stateless(ABC):
 
 def rated(
     rules: Sequence[RuleInfo], frame: Frame, values: Callable[[], CaseValues], verdicts: bytes | None = None,
-    margins: Sequence[float] = (), never_decide: frozenset[int] | None = None,
+    margins: Sequence[float] = (),
 ) -> Rated:  # fmt: skip
-    """The outcome of rules on one frame: as given, or as the values of their formulas say. never_decide: the numbers of advisory ones, where
-    they are known already."""
+    """The outcome of rules on one frame: as given, or as the values of their formulas say."""
     if verdicts is None:
         outcomes = [outcome(rule, frame, values()) for rule in rules]
         own = [
@@ -114,7 +115,7 @@ def rated(
         said = VERDICTS[codes[number]], float(margins[number])
         return rule_result(rules[number], frame, values(), said, series)
 
-    return Rated(codes, margins, explain, advisory(rules) if never_decide is None else never_decide)
+    return Rated(codes, margins, explain, advisory(rules))
 
 
 #: A code that no verdict has: a rule that did not run is never taken for one that said something.

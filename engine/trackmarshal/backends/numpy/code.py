@@ -23,7 +23,7 @@ from trackmarshal.ir.operators import Extreme
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
     "where": logic.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO, "minus_inf": logic.MINUS_INF, "true": logic.TRUE, "false": logic.FALSE,
-    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at,
+    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at, "nowhere": logic.nowhere,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear, "asked_clear": places.asked_clear,
@@ -266,7 +266,7 @@ class Code:
             "true" if every else "false": [*filter(None, (made.worst_sat, made.best_sat))],
         }  # fmt: skip
         self.varying += [
-            f"{flag} = 1 not in {self._anywhere(top)}.tobytes()",
+            f"{flag} = nowhere({self._anywhere(top)})",
             f"if {flag}:",
             *(f"    {' = '.join(each)} = {value}" for value, each in values.items() if each),
             "else:",
@@ -368,7 +368,8 @@ class Code:
         if offset < 0:
             table = self._once("s", (axis.signal, field, offset), f"before({table}, {-offset})")
         index = column_index(axis, max(0, offset), self.rank)
-        return f"{table}[{self._hold(index, ('index', repr(index)))}]"
+        part = f"{table}[{self._hold(index, ('index', repr(index)))}]"
+        return part if axis.width == 1 else f"{part}.copy()"  # of part of a table, which is in several pieces
 
     # Formulas -------------------------------------------------------------------------------------------------
 

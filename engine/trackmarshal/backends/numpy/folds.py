@@ -21,6 +21,17 @@ def fold(batch: Batch, node: ir.Fold, body: Any, otherwise: Any, surely: Any, ma
     in the best case, None where it is said of no guard, or where both are the same. Arrays broadcast against each other.
     """
     place, mask = 1 + node.axis.level, batch.mask(node.axis)
+    if mask is None and surely is None and body.ndim and body.shape[place] == batch.count(node.axis):
+        match node.op:
+            case "sum":
+                return _sum(body, place)
+            case "least" | "greatest":  # 0.0 for both zeros
+                extreme = np.minimum if node.op == "least" else np.maximum
+                return extreme.reduce(body, axis=place, keepdims=True) + 0.0
+            case "nearest":
+                pass
+            case _:
+                assert_never(node.op)
     shape = [batch.size] + [1] * (batch.rank - 1)
     shape[place] = batch.count(node.axis)
     there: Any = np.ones(shape, dtype=np.bool_) if mask is None else mask

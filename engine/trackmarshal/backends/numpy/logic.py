@@ -27,6 +27,11 @@ most_along: Callable[..., Any] = np.maximum.reduce
 any_along: Callable[..., Any] = np.logical_or.reduce
 
 
+def nowhere(flags: Any) -> bool:
+    """Whether none of some Booleans is true, in the same way; None stands for some that all are."""
+    return flags is not None and 1 not in flags.tobytes()
+
+
 def full(flags: Any) -> bool:
     """Whether all of some Booleans are true, also where there are none: for a few several times as fast as asking numpy."""
     return 0 not in flags.tobytes()

@@ -70,16 +70,16 @@ def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[A
     conditions: arrays of what must hold for a margin to count; None says nothing. by_case: of the margins of a case that count, only the
     least does.
     """
-    shape = np.broadcast(*args).shape
-    if 0 in shape:
-        return (*_sides(np.empty(shape)), False)
     asked = None
     for condition in conditions:
         if condition is not None:
             asked = condition if asked is None else asked & condition
+    if asked is not None and logic.nowhere(asked):
+        return logic.INF, logic.INF, True
+    shape = np.broadcast(*args).shape
+    if 0 in shape:
+        return (*_sides(np.empty(shape)), False)
     if asked is not None:
-        if 1 not in asked.tobytes():
-            return logic.INF, logic.INF, True
         if logic.full(asked):
             asked = None
         elif np.broadcast_shapes(asked.shape, shape) == shape:

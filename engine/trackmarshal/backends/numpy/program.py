@@ -14,12 +14,12 @@ from trackmarshal.backends.numpy.batch import Batch, Tables
 from trackmarshal.backends.numpy.code import Code
 from trackmarshal.backends.numpy.logic import AT_LEAST, NEITHER, Value, value
 from trackmarshal.backends.numpy.views import CaseView, Reading
-from trackmarshal.backends.results import Outcomes, Stateless, rated
+from trackmarshal.backends.results import Outcomes, Stateless, rule_result
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Rated, advisory
-from trackmarshal.runtime.verdict import VERDICTS
+from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 
 #: Codes of verdicts: their places in VERDICTS.
 _SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = (
@@ -76,6 +76,9 @@ class NumpyProgram(Stateless):
             return []
         run = self.run(frames)
         return [Outcomes(one, partial(CaseView, run, index)) for index, one in enumerate(run.rated())]
+
+    def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
+        return self.run(frames).rated() if frames else []
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
@@ -237,14 +240,19 @@ class Run:
         """The outcome of every frame; witnesses are looked for when they are asked for."""
         codes, margins = self.verdicts
         by_frame = codes.T.tobytes()
-        width, never_decide = len(self.program.rules), self.program.never_decide
+        width, never_decide, explain = len(self.program.rules), self.program.never_decide, self._explain
+        # Of thousands of cases each one has few objects of its own: the more there are, the longer Python looks for some that nobody has.
         return [
-            rated(
-                self.program.rules, frame, partial(CaseView, self, index),
-                by_frame[index * width : (index + 1) * width], own, never_decide,
-            )
-            for index, (frame, own) in enumerate(zip(self.batch.cases, margins.T.tolist()))
-        ]  # fmt: skip
+            Rated(by_frame[index * width : (index + 1) * width], own, partial(explain, index), never_decide)
+            for index, own in enumerate(zip(*margins.tolist()) if width else [()] * self.batch.size)
+        ]
+
+    def _explain(self, index: int, number: int, series: bool = False) -> RuleResult:
+        """The whole result of a rule in a case."""
+        codes, margins = self.verdicts
+        said = VERDICTS[codes[number, index]], float(margins[number, index])
+        rule, frame = self.program.rules[number], self.batch.cases[index]
+        return rule_result(rule, frame, CaseView(self, index), said, series)
 
     @cached_property
     def verdicts(self) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:

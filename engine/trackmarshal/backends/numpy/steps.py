@@ -119,8 +119,10 @@ def flagged(code: Any) -> tuple[Any, Any]:
 
 
 def inside(mask: Any, guard: Any, rank: int) -> Any:
-    """What is in the range of a quantifier: what is there, and fulfils its guard."""
+    """What is in the range of a quantifier: what is there, and fulfils its guard; None where that is everything, and at least one."""
     found = guard if mask is None else mask & guard
+    if found.size and logic.full(found):
+        return None
     return np.broadcast_to(found, (1,) * rank) if found.ndim == 0 else found
 
 
