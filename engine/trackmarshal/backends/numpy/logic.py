@@ -120,6 +120,8 @@ def _difference(x: Array, y: Array) -> Array:
 def every(margin: Any, axis: int, inside: Array | None) -> Any:
     """The margin of `for all` along an array axis, over what is inside; None: everything, and at least one."""
     if inside is not None:
+        if nowhere(inside):
+            return INF
         margin = where(inside, margin, INF)  # holds wherever it is asked for
     elif margin.ndim == 0 or margin.shape[axis] == 1:
         return margin  # nothing varies along the axis, and it is not empty
@@ -129,6 +131,8 @@ def every(margin: Any, axis: int, inside: Array | None) -> Any:
 def some(margin: Any, axis: int, inside: Array | None) -> Any:
     """The margin of `exists`, in the same way."""
     if inside is not None:
+        if nowhere(inside):
+            return MINUS_INF
         if margin.ndim == 0:  # of one formula for all there is one, if there is any
             return where(any_along(inside, axis, None, None, True), margin, MINUS_INF)
         margin = where(inside, margin, MINUS_INF)
