@@ -203,12 +203,13 @@ def project(batch: Batch, line: ir.Line, *points: tuple[Any, Any]) -> list[tuple
         np.concatenate([_all(p[k], shape).reshape(size, -1) for p, shape in zip(points, shapes)], axis=1)
         for k in (0, 1)
     )
-    rows = _repeated(x, y) if many else None
-    if rows is not None:
-        x, y = x[rows[0]], y[rows[0]]
-    answers = [part.reshape(x.shape) for part in owners[0].project(x.reshape(-1), y.reshape(-1))]
-    if rows is not None:
-        answers = [part.take(rows[1], axis=0) for part in answers]
+    shape = x.shape
+    x, y = x.reshape(-1), y.reshape(-1)
+    if many:
+        new, like = _repeated(x.reshape(shape), y.reshape(shape))
+        answers = [part.take(like) for part in owners[0].project(x.take(new), y.take(new))]
+    else:
+        answers = [part.reshape(shape) for part in owners[0].project(x, y)]
     ends = list(accumulate(math.prod(shape) // size for shape in shapes))
     return [
         tuple(part[:, begin:end].reshape(shape) for part in answers)
@@ -216,14 +217,15 @@ def project(batch: Batch, line: ir.Line, *points: tuple[Any, Any]) -> list[tuple
     ]
 
 
-def _repeated(x: Floats, y: Floats) -> tuple[Any, Any] | None:
-    """Of points (cases, n): which cases differ from the one before, in any bit, and for each case which of those it is like; None
-    where all differ. A driving and an emergency trajectory see the same objects."""
-    new = np.ones(len(x), dtype=np.bool_)
+def _repeated(x: Floats, y: Floats) -> tuple[Any, Any]:
+    """Of points (cases, n): the places, flattened, of those that differ in any bit from the same one of the case before, and for every point which
+    of those it is like. A driving and an emergency trajectory see the same objects."""
+    new = np.ones(x.shape, dtype=np.bool_)
     new[1:] = False
     for bits in (x.view(np.int64), y.view(np.int64)):
-        new[1:] |= (bits[1:] != bits[:-1]).any(axis=1)
-    return None if new.all() else (new.nonzero()[0], new.cumsum() - 1)
+        new[1:] |= bits[1:] != bits[:-1]
+    number = new.reshape(-1).cumsum().reshape(x.shape) - 1
+    return new.reshape(-1).nonzero()[0], np.maximum.accumulate(np.where(new, number, 0), axis=0)
 
 
 def _projected(

@@ -103,8 +103,9 @@ class Curves:
         more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
         whole = way * (turn + sway * (1.0 - EVEN)) + turning
         if not fits.all():
-            more = np.where(fits, more, self._at_random(way, corner))
-            count[~fits] = 1
+            odd = (~fits).nonzero()[0]
+            more[odd] = self._at_random(odd, way, corner)
+            count[odd] = 1
         whole[count == 1] = 0.0  # such a way is that hull, and `more` around it
         more[~(more > ROUNDING)] = 0.0
         self.count, self.more = count, more
@@ -114,10 +115,12 @@ class Curves:
         #: What the poses between both ends are made of: dx, dy, slopes at both ends, lean, the sign of the way.
         self._shape = np.array([dx, dy, first, second, lean, np.copysign(1.0, along[0])])
 
-    def _at_random(self, way: Floats, corner: float | Floats) -> Floats:
-        """How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
+    def _at_random(self, which: Ints, way: Floats, corner: float | Floats) -> Floats:
+        """Of some ways how far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
         points anywhere between both headings [m]."""
-        apart, mean = self.units[:, 1] - self.units[:, 0], self.units[:, 1] + self.units[:, 0]
+        (first, second), way = self.units.take(which, axis=2).swapaxes(0, 1), way.take(which)
+        corner = corner if np.ndim(corner) == 0 else np.asarray(corner).take(which)
+        apart, mean = second - first, second + first
         turned = apart[0] * apart[0] + apart[1] * apart[1]
         swing = corner * (turned / (4.0 + 2.0 * np.sqrt(mean[0] * mean[0] + mean[1] * mean[1])))
         found: Floats = swing + (np.minimum(way, corner * np.sqrt(turned)) + 0.5 * way)
@@ -126,9 +129,11 @@ class Curves:
     def hulls(self, most: int) -> Hulls:
         """The pieces of the ways that have `most` at most, and of the others the hulls of the footprints at both ends."""
         whole = self.count > most
-        cuts = np.where(whole, 1, self.count)
+        cuts, reach, short = self.count, self.more, -self.more
+        if 1 in whole.tobytes():
+            cuts = np.where(whole, 1, cuts)
+            reach, short = np.where(whole, self.reach, reach), np.where(whole, self.short, short)
         ways = np.arange(self.size).repeat(cuts)
-        reach, short = np.where(whole, self.reach, self.more), np.where(whole, self.short, -self.more)
         return Hulls(self._cut(slice(None), cuts).sweeps, ways, reach.take(ways), short.take(ways), whole)
 
     def pieces(self, which: slice) -> Pieces:

@@ -239,27 +239,40 @@ def _beside(
     The greater of: what lies between the footprints and the segment's line; what lies between the long sides, `low` and `high`, of
     the box around the hull and the segment.
     """
-    # Of each hull x and y of centre, half length and half width of both footprints, of the position and of the box's direction.
-    frame = np.concatenate([sweeps.frame[:3].reshape(12, -1), sweeps.position, sweeps.midway, low, high])
+    # Of each hull its position, the way to the second footprint, both directions, the box's direction and its sides.
+    rest = [sweeps.midway, low, high]
+    sized = not (isinstance(sweeps.front, float) and isinstance(sweeps.side, float))
+    if sized:
+        rest += [np.broadcast_to(size, (1, sweeps.size)) for size in (sweeps.front, sweeps.side)]
+    frame = np.concatenate([sweeps.position, sweeps.move, sweeps.units.reshape(4, -1), *rest])
     frame = (
         frame.take(rows, axis=1)
         if starts.size == rows.size
         else frame.take(rows.take(starts), axis=1).repeat(counts_of(starts, rows.size), axis=1)
     )
     ax, ay, ex, ey, _, length = region.border.table.take(k, axis=1)
-    x, y, ahead, aside, low, high = frame[12:]
+    x, y, dx, dy = frame[:4]
+    unit_x, unit_y = frame[4:8].reshape(2, 2, -1)
+    ahead, aside, low, high = frame[8:12]
+    front, side = frame[12:] if sized else (sweeps.front, sweeps.side)
     ax -= x
     ay -= y
-    # Axes: centre, half length, half width; footprint; pair. How far a centre lies left of the line, how far that reaches.
-    x, y = frame[:12].reshape(3, 2, 2, -1).swapaxes(0, 1)
-    across = ex * y
-    across -= ey * x
-    centre, reach = across[0], np.abs(across[1])
-    reach += np.abs(across[2])
-    centre -= ex * ay - ey * ax
-    beside: Floats = np.minimum.reduce(centre - reach, axis=0)
-    centre += reach
-    np.maximum(beside, -np.maximum.reduce(centre, axis=0), out=beside)
+    # How far both footprints (axis 0) reach across the segment's line, and how far left of it their middles lie.
+    across = ex * unit_y
+    across -= ey * unit_x
+    reach = np.abs(across, out=across)
+    reach *= front
+    along = ex * unit_x
+    along += ey * unit_y
+    np.abs(along, out=along)
+    along *= side
+    reach += along
+    start = ex * ay - ey * ax
+    end = ex * dy - ey * dx
+    end -= start
+    first, second = reach
+    beside: Floats = np.minimum(-start - first, end - second)
+    np.maximum(beside, np.minimum(start - first, -end - second), out=beside)
     beside /= length
     start = ahead * ay - aside * ax
     end = ahead * ey - aside * ex

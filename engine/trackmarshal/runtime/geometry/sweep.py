@@ -22,7 +22,8 @@ class Sweeps:
     """
 
     __slots__ = (
-        "_sides", "_turn", "excess", "frame", "inner", "middle", "midway", "position", "radius", "size", "usable"
+        "_sides", "_turn", "excess", "frame", "front", "inner", "middle", "midway", "move", "position", "radius", "side", "size", "units",
+        "usable",
     )  # fmt: skip
 
     def __init__(
@@ -37,18 +38,21 @@ class Sweeps:
         self.usable: Bools | None = None
         if units is None:
             poses, length, width, self.usable = usable_bodies(poses, length, width)
-        front, side = 0.5 * length, 0.5 * width
+        front, side = self.front, self.side = 0.5 * length, 0.5 * width
         self.position = poses[0:2]
         # Axes 1 and 2: coordinate, footprint. Rows: centre, centre to front, centre to left, unit vector.
         frame = np.empty((4, 2, 2, self.size))
         centre, ahead, left, unit = frame
-        move = np.subtract(poses[3:5], poses[0:2], out=centre[:, 1])
+        #: From the first footprint's middle to the second's; and x and y of the directions of both.
+        self.move = move = poses[3:5] - poses[0:2]
+        centre[:, 1] = move
         centre[:, 0] = 0.0
         if units is None:
             np.cos(poses[2::3], out=unit[0])
             np.sin(poses[2::3], out=unit[1])
+            self.units = unit.copy()  # sides may be named anew
         else:
-            unit[...] = units
+            unit[...] = self.units = units
         np.multiply(unit, front, out=ahead)
         np.multiply(unit[0], side, out=left[1])
         np.multiply(unit[1], -side, out=left[0])
