@@ -52,7 +52,7 @@ class Region:
         )  # fmt: skip
         self._area = abs(sum(area(ring) for ring in rings))
         self._origin = np.array([[self.border.ax[0]], [self.border.ay[0]]])
-        self._segments, reach = self._singles()
+        self._tiled, reach = self._singles()
         #: How much farther than the nearest a segment may seem in single precision [m].
         self.slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * reach)
 
@@ -72,14 +72,14 @@ class Region:
         """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
         they reach from the origin.
 
-        x + iy, of shape (2, segments + 1), of axes: middle and half, segment. The last one is none: it is far away.
+        x + iy, of shape (2, WIDTH, tiles), of axes: middle and half, place in the tile, tile. What fills tiles up is far away.
         """
         border = self.border
         starts = np.stack([border.ax, border.ay]) - self._origin
         half = 0.5 * np.stack([border.ex, border.ey])
         table = np.full((2, border.size + 1), FAR, dtype=np.complex64)
         table[0, :-1], table[1, :-1], table[1, -1] = _complex(starts + half), _complex(half), 0.0
-        return table, float(np.abs(starts).max())
+        return table.take(self.cells.tiles, axis=1), float(np.abs(starts).max())
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
@@ -181,8 +181,7 @@ class Region:
         k, nearest = tiles, np.empty(0, dtype=np.float32)
         if rows.size:
             of = rows if groups is None else groups.take(rows)
-            k = self.cells.tiles.take(tiles, axis=1)
-            rows, k, nearest = self._culled(sweeps, boxes, rows, k, of, beyond)
+            rows, k, nearest = self._culled(sweeps, boxes, rows, tiles, of, beyond)
         if unknown is None:
             return rows, k, nearest
         rows, k, order = self._with_unknown(rows, k, unknown, middle, sweeps.radius)
@@ -211,10 +210,10 @@ class Region:
         return rows[order], k[order], order
 
     def _culled(
-        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, k: Ints, groups: Ints, beyond: Hulls | None
+        self, sweeps: Sweeps, boxes: tuple[Floats, ...], rows: Ints, tiles: Ints, groups: Ints, beyond: Hulls | None
     ) -> tuple[Ints, Ints, Singles]:  # fmt: skip
-        """Of segments k (place in tile, tile) for hulls by tile, in groups: those that may be nearest to a hull of their group, as far
-        as the boxes around the hulls tell."""
+        """Of the segments in tiles for hulls, in groups: those that may be nearest to a hull of their group, as far as the boxes around
+        the hulls tell."""
         low, high, excess = boxes
         ahead, aside = sweeps.midway
         middle, (x, y) = 0.5 * (low + high), sweeps.position - self._origin
@@ -226,7 +225,7 @@ class Region:
         np.multiply(0.5, high - low, out=frames[2], casting="same_kind")
         centre, back, size = _complex(frames.swapaxes(0, 1)).take(rows, axis=1)
         # Axes: middle and half of a segment, place in the tile, tile; and x and y in the direction of the box.
-        seen = self._segments.take(k, axis=1)
+        seen = self._tiled.take(tiles, axis=2)
         seen[0] -= centre
         seen *= back
         apart = seen.view(np.float32)
@@ -248,10 +247,12 @@ class Region:
         if beyond is not None:
             limit += (beyond.reach * ROUNDED).take(rows)
             limit = np.minimum(limit, FAR).astype(np.float32)
-        kept = (best <= limit).T.ravel().nonzero()[0]
-        tile = kept >> SHIFT
-        place = (kept & (WIDTH - 1)) * rows.size + tile
-        return rows.take(tile), k.take(place), best.take(place)
+        near = best <= limit
+        some = np.logical_or.reduce(near, axis=0).nonzero()[0]  # of most tiles there is none
+        kept = near.take(some, axis=1).T.reshape(-1).nonzero()[0]
+        tile, place = some.take(kept >> SHIFT), kept & (WIDTH - 1)
+        k = self.cells.tiles.reshape(-1).take(place * self.cells.tiles.shape[1] + tiles.take(tile))
+        return rows.take(tile), k, best.reshape(-1).take(place * rows.size + tile)
 
 
 def _complex(pair: NDArray[Any]) -> Vectors:
