@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from typing import Any
 from unittest import mock
 
@@ -359,3 +360,38 @@ rule ahead "how far"
     assert projected.call_args.args[1].size < 120 * 2 * 0.75, (
         "those that are like the one before are left out"
     )
+
+
+def test_points_that_cases_share_are_projected_once() -> None:
+    """Some points of a case are those of the case before, others are not; the two zeros are two points."""
+    spec = compiled("""
+module shared
+signal ego : state { x: m, y: m }
+signal objects : set of object { x: m, y: m }
+signal track : corridor { left: polyline, right: polyline }
+rule apart "beside others"
+  for all o in objects
+  require station(o, track) + offset(o, track) - offset(ego, track) >= 1 m
+""")
+    track = {"left": [[-9, 2], [0, 2], [9, 3]], "right": [[-9, -2], [0, -2], [9, -1]]}
+    draw, raw, points = random.Random(3), [], []
+    for k in range(40):
+        zero = draw.choice([0.0, -0.0])
+        points.append([(float(k // 2), 0.5), (zero, 1.0), (4.0, float(k // 7) / 4.0)])
+        ego, *others = ({"x": x, "y": y} for x, y in points[-1])
+        raw.append({"signals": {"ego": ego, "objects": others, "track": track}})
+    differ = 3 + sum(repr(a) != repr(b) for now, last in zip(points[1:], points) for a, b in zip(now, last))
+    cases, given = read(spec, raw), []
+    whole = Polyline.project
+
+    def project(self: Polyline, x: Any, y: Any) -> Any:
+        given.append(np.size(x))
+        return whole(self, x, y)
+
+    with mock.patch.object(Polyline, "project", project):
+        batch = results(spec, cases, "numpy")
+    assert given == [differ]
+    assert differ < 80
+    for one, alone, expected in zip(batch, cases, results(spec, cases, "reference"), strict=True):
+        assert not differences(one, expected)
+        assert not differences(one, results(spec, [alone], "numpy")[0])
