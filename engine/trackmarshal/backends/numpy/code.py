@@ -6,7 +6,6 @@ is undefined; whether it holds is mostly read off its margin, else it has two mo
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, assert_never
@@ -24,7 +23,7 @@ from trackmarshal.ir.operators import Extreme
 #: What code may call by name.
 _CALLED: dict[str, Any] = {
     "where": logic.where, "minimum": np.minimum, "maximum": np.maximum, "nan": np.nan, "inf": logic.INF, "zero": logic.ZERO, "minus_inf": logic.MINUS_INF, "true": logic.TRUE, "false": logic.FALSE,
-    "before": before, "compared": steps.compared, "isfinite": math.isfinite, "vdot": logic.vdot, "total": steps.total, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at, "nowhere": logic.nowhere,
+    "before": before, "compared": steps.compared, "flagged": steps.flagged, "inside": steps.inside, "first": steps.first, "at": steps.at, "nowhere": logic.nowhere,
     "every": logic.every, "some": logic.some, "every_sat": logic.every_sat, "some_sat": logic.some_sat,
     "value": logic.value, "parts": logic.parts, "differ": logic.differ, "negate": logic.negate,
     "project": places.project, "distance": places.distance, "gap": places.gap, "stretch_room": places.stretch_room, "on_lane": lanes.on_lane, "inside_area": places.swept_inside, "clear": places.swept_clear, "asked_clear": places.asked_clear,
@@ -392,9 +391,7 @@ class Code:
             case ir.Compare():
                 measure, says = steps.MEASURED[node.op]
                 x, y = at
-                margin = f"(m := {measure.format(x=x, y=y)})"
-                finite = f"isfinite(vdot(m, m) if {margin}.size < {steps.FEW} else total(m))"
-                self._line(node, f"{both} = (m, m) if {finite} else compared(m, {x}, {y})")
+                self._line(node, f"{both} = compared({measure.format(x=x, y=y)}, {x}, {y})")
                 return own._replace(says=says)
             case ir.InArea():
                 weighed = node in self._weighed

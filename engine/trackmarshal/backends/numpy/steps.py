@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, assert_never
 
@@ -11,7 +12,7 @@ from trackmarshal.backends.numpy import logic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, Comparison, ComparisonOp, FunctionName, Measure
 
-#: Fewer numbers than this are multiplied by one thread.
+#: Numbers that one thread adds up.
 FEW = 4096
 #: Nodes that have one value for all cases when their inputs do and no case overrides a parameter.
 INDEPENDENT = (
@@ -100,14 +101,12 @@ MEASURED: dict[ComparisonOp, tuple[str, int]] = {
 }
 
 
-def total(numbers: Any) -> Any:
-    """The sum of many numbers: finite only if all of them are, the cheapest question whose answer is mostly yes. For `FEW` numbers that of their
-    squares is cheaper still; for many it would be shared among threads."""
-    return np.add.reduce(numbers, axis=None)
-
-
 def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a comparison of x and y: undefined where one of them is not finite."""
+    # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
+    # the squares is cheaper still; for many it would be shared among threads.
+    if math.isfinite(logic.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
+        return margin, margin
     known = np.isfinite(x) & np.isfinite(y)
     return (margin, margin) if logic.full(known) else logic.partly(margin, known)
 
