@@ -103,10 +103,10 @@ class Polyline:
     def gap(self, s_from: ArrayLike, s_to: ArrayLike) -> Floats:
         """How far `s_to` lies ahead of `s_from` [m]: (N,); on a closed line the shorter way, in (-length/2, length/2]."""
         start, end = vector(s_from), vector(s_to)
-        with np.errstate(invalid="ignore"):
-            gap = end - start
-        if not np.isfinite(gap).all():
-            gap = np.where(np.isfinite(start) & np.isfinite(end), gap, np.nan)
+        fine = np.isfinite(start) & np.isfinite(end)
+        if 0 in fine.tobytes():
+            start, end = np.where(fine, start, np.nan), np.where(fine, end, np.nan)
+        gap = end - start
         if self.closed:
             gap -= self.length * np.ceil(gap / self.length - 0.5)
         return gap if self.fault is None else np.full(gap.size, np.nan)
