@@ -14,6 +14,8 @@ from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, Comparison, Compar
 
 #: Numbers that one thread adds up.
 FEW = 4096
+#: By short names, since each comparison asks.
+_isfinite, _vdot = math.isfinite, logic.vdot
 #: Nodes that have one value for all cases when their inputs do and no case overrides a parameter.
 INDEPENDENT = (
     ir.Const, ir.Param, ir.Truth, ir.Arith, ir.Neg, ir.Func, ir.Choose, ir.Compare, ir.Not, ir.Connective,
@@ -105,7 +107,7 @@ def compared(margin: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """The worst and the best margin of a comparison of x and y: undefined where one of them is not finite."""
     # A sum is finite only if all parts are: the cheapest question whose answer is mostly yes. For a few numbers that of
     # the squares is cheaper still; for many it would be shared among threads.
-    if math.isfinite(logic.vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
+    if _isfinite(_vdot(margin, margin) if margin.size < FEW else np.add.reduce(margin, axis=None)):
         return margin, margin
     known = np.isfinite(x) & np.isfinite(y)
     return (margin, margin) if logic.full(known) else logic.partly(margin, known)

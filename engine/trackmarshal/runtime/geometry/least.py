@@ -130,6 +130,10 @@ def _distances(region: Region, sweeps: Sweeps, rows: Ints, k: Ints) -> Iterator[
 def _in_one_piece(poses: Floats, sizes: tuple[float | Floats, ...], size: int, counted: Bools) -> Bools:
     """Which groups sweep from pose to pose, each hull from where the one before ends: if the border meets none of them, they
     all lie on the same side of it."""
+    of_groups = poses.reshape(6, -1, size)
+    begins, ends = of_groups[:3, :, 1:], of_groups[3:, :, :-1]
+    if all(isinstance(side, float) for side in sizes) and 0 not in (begins == ends).tobytes():
+        return np.ones(of_groups.shape[1], dtype=np.bool_)  # whatever counts, as of most trajectories
     on = np.ones(poses.shape[1], dtype=np.bool_)
     on[1:] = np.logical_and.reduce(poses[:3, 1:] == poses[3:, :-1], axis=0)
     for side in sizes:
