@@ -173,6 +173,8 @@ class Evaluator:
 
     def _absent(self, *given: object) -> Fields:
         """Curvatures for which signals, by name, have no column, though they have others; null is a column."""
+        if all(type(signals) is dict and self._lacks_none(signals) for signals in given):
+            return NOWHERE
         held = [signals for signals in given if isinstance(signals, Mapping)]
         absent = set()
         for name, column in self._curvatures:
@@ -180,6 +182,13 @@ class Evaluator:
             if columns and not any(column in one for one in columns):
                 absent.add((name, column))
         return frozenset(absent)
+
+    def _lacks_none(self, signals: dict[Any, Any]) -> bool:
+        """Whether signals have all curvatures, as dicts that are nothing else: a question that takes a third of the time."""
+        for name, column in self._curvatures:
+            if type(columns := signals.get(name)) is not dict or column not in columns:
+                return False
+        return True
 
     def _without(self, absent: Fields) -> Evaluator:
         """The same rules for cases without some curvatures: what would follow them goes straight."""

@@ -49,6 +49,8 @@ class Batch:
         self._masks: dict[ir.Axis, Bools | None] = {}
         #: Borders and lines prepared for this batch, each with the data that it was made from.
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
+        #: What every case has that the road between two borders is made from, by signal: its area and its middle ask for it.
+        self.roads: dict[str, list[Any]] = {}
         #: The prepared object of every case, or one that all share, by the place that it is for.
         self.owners: dict[ir.IR, list[Any]] = {}
         settings = list({id(case.settings): case.settings for case in cases}.values())
@@ -155,11 +157,13 @@ class Batch:
         """(cases, numbers, longest): all columns of every case, padded; a view where these stand in one array already."""
         own = self.own(signal)
         found: dict[int, tuple[Floats, list[int], list[int]]] = {}
+        last: Floats | None = None
         for case, columns in enumerate(own):
             if columns.stack is None:
                 return self._padded([columns.values for columns in own], signal)
             stack, place = columns.stack
-            _, cases, places = found.setdefault(id(stack), (stack, [], []))
+            if stack is not last:  # mostly that of the case before
+                last, cases, places = found.setdefault(id(stack), (stack, [], []))
             cases.append(case)
             places.append(place)
         if len(found) == 1:

@@ -321,8 +321,12 @@ def _given(batch: Batch, place: ir.Area | ir.Line) -> list[Hashable]:
             own = batch.spec.places[name].points
             return [id(case.settings.places.get(name, own)) for case in cases]
         case "corridor" | "centre":
-            left, right = (name, "left"), (name, "right")
-            return [(id(c.lines[left]), id(c.lines[right]), c.closed.get(name, False)) for c in cases]
+            if name not in batch.roads:
+                left, right = (name, "left"), (name, "right")
+                batch.roads[name] = [
+                    (id(c.lines[left]), id(c.lines[right]), c.closed.get(name, False)) for c in cases
+                ]
+            return batch.roads[name]
         case "signal":
             assert isinstance(place, ir.Line)
             line = name, place.field

@@ -75,6 +75,9 @@ class CasesReader:
 
     def check(self, frame: Frame, passed: Set[str] = frozenset()) -> None:
         """Add what is wrong with the values of a frame to its faults; signals that have `passed` already are left out."""
+        if not frame.faults:
+            self._checker.check_signals(frame, set(), frame.faults, passed)
+            return
         named = {(f.signal, f.field) for f in frame.faults}
         broken = {signal for signal, _ in named}
         self._checker.check_signals(frame, broken, frame.faults, passed)
