@@ -395,3 +395,18 @@ rule apart "beside others"
     for one, alone, expected in zip(batch, cases, results(spec, cases, "reference"), strict=True):
         assert not differences(one, expected)
         assert not differences(one, results(spec, [alone], "numpy")[0])
+
+
+@pytest.mark.parametrize("together", [1, 2, 3, 5, 6, 500])
+def test_cases_are_rated_in_order_however_many_at_once(
+    spec: Spec, together: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = read(spec, [case([float(k), 1.0], k % 3) for k in range(6)])
+    program = NumpyProgram(spec, spec.rules)
+    whole = [(one.verdicts, list(one.margins)) for one in program.run(given).rated()]
+    monkeypatch.setattr("trackmarshal.backends.numpy.program.TOGETHER", together)
+    found = program.rate_all(given)
+    assert [(one.verdicts, list(one.margins)) for one in found] == whole
+    (slow,) = (place for place, rule in enumerate(program.rules) if rule.name == "slow")
+    assert [one.explain(slow, False).margin for one in found] == [4.0 - max(float(k), 1.0) for k in range(6)]
+    assert program.rate_all([]) == []

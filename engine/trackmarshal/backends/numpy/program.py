@@ -27,6 +27,8 @@ _SATISFIED, _VIOLATED, _UNDEFINED, _INACTIVE = (
 )
 
 
+#: Cases that are worked on at once, so that arrays of their samples stay in the processor's cache.
+TOGETHER = 500
 #: What a batch has that no case changes, and the rest of a batch.
 Fixed = Callable[[Batch], tuple[Any, ...]]
 Varying = Callable[[Batch, Any], tuple[Any, ...]]
@@ -78,7 +80,8 @@ class NumpyProgram(Stateless):
         return [Outcomes(one, partial(CaseView, run, index)) for index, one in enumerate(run.rated())]
 
     def rate_all(self, frames: Sequence[Frame]) -> list[Rated]:
-        return self.run(frames).rated() if frames else []
+        chunks = (frames[first : first + TOGETHER] for first in range(0, len(frames), TOGETHER))
+        return [one for chunk in chunks for one in self.run(chunk).rated()]
 
     def run(self, cases: Sequence[Frame]) -> Run:
         """Evaluate all rules on all frames, cases or seen by one candidate."""
