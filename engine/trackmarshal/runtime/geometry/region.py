@@ -52,7 +52,7 @@ class Region:
         )  # fmt: skip
         self._area = abs(sum(area(ring) for ring in rings))
         self._origin = np.array([[self.border.ax[0]], [self.border.ay[0]]])
-        self._tiled, reach = self._singles()
+        self._segments, reach = self._singles()
         #: How much farther than the nearest a segment may seem in single precision [m].
         self.slack = np.float32(SLACK + 16.0 * np.finfo(np.float32).eps * reach)
 
@@ -68,18 +68,23 @@ class Region:
         span = float(self.border.length.max()) + 8.0 * (self.cells.size + REACH)
         return SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
 
+    @cached_property
+    def _tiled(self) -> Vectors:
+        """The segments tile by tile, (2, WIDTH, tiles), of axes: middle and half, place in the tile, tile. What fills tiles up is far away."""
+        return self._segments.take(self.cells.tiles, axis=1)
+
     def _singles(self) -> tuple[Vectors, float]:
         """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
         they reach from the origin.
 
-        x + iy, of shape (2, WIDTH, tiles), of axes: middle and half, place in the tile, tile. What fills tiles up is far away.
+        x + iy, of shape (2, segments + 1), of axes: middle and half, segment. The last one is none: it is far away.
         """
         border = self.border
         starts = np.stack([border.ax, border.ay]) - self._origin
         half = 0.5 * np.stack([border.ex, border.ey])
         table = np.full((2, border.size + 1), FAR, dtype=np.complex64)
         table[0, :-1], table[1, :-1], table[1, -1] = _complex(starts + half), _complex(half), 0.0
-        return table.take(self.cells.tiles, axis=1), float(np.abs(starts).max())
+        return table, float(np.abs(starts).max())
 
     def signed_distance(self, x: Floats, y: Floats) -> Floats:
         """The distance of points from the border, positive inside; NaN for a point that is none."""
