@@ -86,6 +86,21 @@ def records(columns: dict[str, Any]) -> list[dict[str, float]]:
     return [{name: float(column[i]) for name, column in columns.items()} for i in range(count)]
 
 
+@pytest.mark.parametrize("count", [2, 7, 8, 9, 15, 16, 17, 25])
+def test_the_first_breach_of_a_column_is_named_wherever_it_is(count: int) -> None:
+    """Entries are looked at in blocks: neither where one begins, nor how many are left over, hides any."""
+    run, number = Step(), 0
+    for place in range(count):
+        for value, fault in ((math.nan, "not_finite"), (-math.inf, "not_finite"), (1.5, "out_of_range"), (-1.5, "out_of_range")):  # fmt: skip
+            for more in {place, (place + count) // 2, count - 1}:
+                number += 1
+                given = cycle(random.Random(count), number, 0.1 * number)
+                given.driving = {name: column[:count].copy() for name, column in given.driving.items()}
+                given.driving["kappa"][[place, more]] = value
+                said = {one for one in places(run(given)) if one[1:3] == ("driving", "kappa")}
+                assert said == {(fault, "driving", "kappa", place)}, (place, value, more)
+
+
 @pytest.mark.verifies("S-1-B-1", "S-1-B-5")
 def test_a_step_says_of_both_candidates_what_the_reference_says() -> None:
     evaluator = Evaluator(spec(), None, "reference")

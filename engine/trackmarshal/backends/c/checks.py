@@ -78,7 +78,34 @@ def _signature(name: str, given: str, constants: Sequence[Sequence[str]]) -> str
 
 
 def _own(index: int, kind: Kind, constants: Sequence[Sequence[str]], **names: str) -> str:
-    return kind.holds.c({**names, **{each: f"k{index}_{each}" for each in constants[index]}})
+    return kind.holds.c({**names, **_names(index, constants)})
+
+
+def _names(index: int, constants: Sequence[Sequence[str]]) -> dict[str, str]:
+    return {each: f"k{index}_{each}" for each in constants[index]}
+
+
+#: Entries that are looked at together.
+BLOCK = 8
+
+
+def _blocks(
+    kinds: Sequence[Kind], constants: Sequence[Sequence[str]], values: Sequence[int]
+) -> Iterator[str]:
+    """How many entries pass, of the first blocks that do as a whole: mostly all. Without branches a compiler looks at several at once."""
+    demands = [
+        f"({demand} ? (uint64_t)1u : (uint64_t)0u)"
+        for index in values
+        for demand in kinds[index].holds.demands({"x": "x", **_names(index, constants)})
+    ]
+    yield "    uint64_t whole = 1u;"
+    yield f"    while ((whole != 0u) && ((pass + {BLOCK}u) <= count)) {{"
+    yield f"      for (size_t k = 0u; k < {BLOCK}u; ++k) {{"
+    yield "        const double x = column[pass + k];"
+    yield f"        whole &= {' & '.join(demands)};"
+    yield "      }"
+    yield f"      pass += (whole != 0u) ? {BLOCK}u : 0u;"
+    yield "    }"
 
 
 def _column(name: str, sort: str, kinds: Sequence[Kind], constants: Sequence[Sequence[str]]) -> Iterator[str]:
@@ -101,7 +128,10 @@ def _column(name: str, sort: str, kinds: Sequence[Kind], constants: Sequence[Seq
     yield f"    {breach('missing', 'signal', 'field')}"
     yield "  } else {"
     if by_sort["value"]:
-        yield "    for (size_t i = 0u; i < count; ++i) {"
+        yield "    size_t pass = 0u;"
+        if sort == "numbers":
+            yield from _blocks(kinds, constants, by_sort["value"])
+        yield "    for (size_t i = pass; i < count; ++i) {"
         yield f"      const double x = {value};"
         for place, index in enumerate(by_sort["value"]):
             yield f"      {'} else ' if place else ''}if (!{_own(index, kinds[index], constants, x='x')}) {{"

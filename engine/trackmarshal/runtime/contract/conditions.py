@@ -73,6 +73,17 @@ class Condition(Node):
         """C of it, with what names stand for there."""
         return _print(self._tree, names)
 
+    def demands(self, names: Mapping[str, str]) -> list[str]:
+        """C of each of what it joins by `&` outside of all else: it holds where all of them do."""
+        found, left = [], [self._tree]
+        while left:
+            match left.pop():
+                case ast.BinOp(left=one, op=ast.BitAnd(), right=other):
+                    left += [other, one]
+                case node:
+                    found.append(_print(node, names))
+        return found
+
 
 @cache  # every door that is made asks for the same few
 def _function(condition: Condition, names: tuple[str, ...]) -> Callable[..., Any]:
