@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measuring import by_turns, emptied, median, memory
+from measuring import THEN, WHEN_LIMITED, by_turns, emptied, median, memory
 from numpy.typing import NDArray
 
 from trackmarshal.backends.c.batch import prepared_columns, run_columns
@@ -41,13 +41,7 @@ STEPS = int(os.environ.get("TRACKMARSHAL_STEPS", "20000"))
 LATE = f"C: Supervisor step, 99.9th percentile of {STEPS} to the median"
 GROWTH = f"C: Supervisor, growth over {STEPS} steps"
 CALL = "C: Supervisor step, the call in C"
-#: The rules that there were when its limit was set.
-WHEN_LIMITED = (
-    "static_collision", "obstacle_collision", "contact", "safe_gap", "safe_gap_oncoming", "safe_side", "rss_eq1", "pose_match", "pose_on_path",
-    "stamp_match", "place_match", "heading_match", "speed_match", "friction", "turn_radius", "drive_acceleration", "braking_limit", "ends_at_rest",
-    "arc_length_integrity", "heading_integrity", "curvature_integrity", "acceleration_integrity", "speed_limit", "zone_speed_limit", "no_reversing",
-)  # fmt: skip
-CALL_THEN = f"{CALL}, with the {len(WHEN_LIMITED)} rules of when the limit was set"
+CALL_THEN = f"{CALL}, {THEN}"
 LIMITS = {
     "C: Supervisor step": 80e-6,
     CALL: 20e-6,

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measuring import THEN, WHEN_LIMITED
 
 from trackmarshal.evaluation import Evaluator, load
 
@@ -24,10 +25,9 @@ RADIUS, WIDTH = 300.0, 12.0
 POINTS, BORDER, CYCLES = 30, 1500, 1000
 ROUNDS = 5
 
-LIMITS = {
-    "numpy: one cycle, verdicts": 1.5e-3,
-    "numpy: batch of 1000 cycles, a trajectory": 100e-6,
-}
+ONE = "numpy: one cycle, verdicts"
+BATCH = "numpy: batch of 1000 cycles, a trajectory"
+LIMITS = {ONE: 1.5e-3, f"{ONE}, {THEN}": 1.5e-3, BATCH: 100e-6, f"{BATCH}, {THEN}": 100e-6}
 
 
 def border(radius: float) -> list[list[float]]:
@@ -78,17 +78,18 @@ def cycle(number: int, course: dict[str, Any]) -> list[dict[str, Any]]:
 
 def measure(repeats: int = 15) -> dict[str, float]:
     """Median CPU seconds, and the shares of a cycle that reading and running take."""
-    evaluator = Evaluator(load([SPECS]))
+    spec = load([SPECS])
+    evaluator, then = Evaluator(spec), Evaluator(spec, WHEN_LIMITED)
     course = track()
     listed = [cycle(number, course) for number in range(repeats * 10 + 10)]
     arrays = course | {side: np.array(course[side]) for side in ("left", "right")}
     cycles = [cycle(number, arrays) for number in range(CYCLES)]
     batch = [raw for one in cycles for raw in one]
 
-    def verdicts(raw: list[dict[str, Any]]) -> None:
-        for judged in evaluator.program.judge_all(evaluator.read_all(raw)):
+    def verdicts(raw: list[dict[str, Any]], by: Evaluator = evaluator) -> None:
+        for judged in by.program.judge_all(by.read_all(raw)):
             for rated in judged.rated.values():
-                assert len(rated.verdicts) == len(evaluator.rules)
+                assert len(rated.verdicts) == len(by.rules)
 
     def witnesses(raw: list[dict[str, Any]]) -> None:
         list(evaluator.evaluate(evaluator.read_all(raw)))
@@ -100,12 +101,14 @@ def measure(repeats: int = 15) -> dict[str, float]:
     one = repeats * 10 // ROUNDS
     return medians(
         {
-            "numpy: one cycle, verdicts": (lambda k: verdicts(cycles[k]), one, 1),
+            ONE: (lambda k: verdicts(cycles[k]), one, 1),
+            f"{ONE}, {THEN}": (lambda k: verdicts(cycles[k], then), one, 1),
             "numpy: one cycle, borders as lists, verdicts": (lambda k: verdicts(listed[k]), one, 1),
             "numpy: one cycle, reading alone": (lambda k: read(cycles[k]), one, 1),
             "numpy: one cycle, program alone": (lambda k: evaluator.program.judge_all(ready[k]), one, 1),
             "numpy: one cycle, with witnesses": (lambda k: witnesses(cycles[k]), one, 1),
-            "numpy: batch of 1000 cycles, a trajectory": (lambda k: verdicts(batch), 1, len(batch)),
+            BATCH: (lambda k: verdicts(batch), 1, len(batch)),
+            f"{BATCH}, {THEN}": (lambda k: verdicts(batch, then), 1, len(batch)),
             "numpy: batch of 1000 cycles with witnesses, a trajectory": (
                 lambda k: witnesses(batch),
                 1,

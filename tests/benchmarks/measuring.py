@@ -13,6 +13,13 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
+#: The rules of specs/supervisor that there were when limits on a step were set, and what their lines are called.
+WHEN_LIMITED = (
+    "static_collision", "obstacle_collision", "contact", "safe_gap", "safe_gap_oncoming", "safe_side", "rss_eq1", "pose_match", "pose_on_path",
+    "stamp_match", "place_match", "heading_match", "speed_match", "friction", "turn_radius", "drive_acceleration", "braking_limit", "ends_at_rest",
+    "arc_length_integrity", "heading_integrity", "curvature_integrity", "acceleration_integrity", "speed_limit", "zone_speed_limit", "no_reversing",
+)  # fmt: skip
+THEN = f"with the {len(WHEN_LIMITED)} rules of when the limit was set"
 #: The command, and on the last line of standard error what it took.
 _MEASURED = """
 import resource, sys

@@ -55,7 +55,7 @@ class Columns:
     """A timeline or set, one entry a sample or element, or a record, of one entry.
 
     values: (numbers, count) float64, NaN for a missing number; flags: (flags, count) int8: 1, 0, and -1 for a missing one. ids: what
-    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, and the place of these, or None. `joined`: what a course has besides, else None.
+    the elements of a set are called. absent: columns that are not there, and need not be. `stack`: what many frames' values were put into, these in its `row`, or None. `joined`: what a course has besides, else None.
     """
 
     __slots__ = (
@@ -68,6 +68,7 @@ class Columns:
         "ids",
         "joined",
         "names",
+        "row",
         "stack",
     )
 
@@ -82,7 +83,8 @@ class Columns:
         self.ids = ids
         self.absent = _NONE
         self.joined: Joined | None = None
-        self.stack: tuple[Floats, int] | None = None
+        self.stack: Floats | None = None
+        self.row = 0
         #: Made when first asked for: of many frames, most are never asked.
         self._listed: dict[str, list[Any]] | None = None
 
@@ -93,7 +95,7 @@ class Columns:
         made.names, made.count, made.ids = names, count, ids
         made._values, made._place = None, (arena, start)
         made.flags = made.stack = made.joined = made._listed = None
-        made.absent = _NONE
+        made.absent, made.row = _NONE, 0
         return made
 
     @property

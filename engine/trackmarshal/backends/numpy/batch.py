@@ -161,11 +161,11 @@ class Batch:
         for case, columns in enumerate(own):
             if columns.stack is None:
                 return self._padded([columns.values for columns in own], signal)
-            stack, place = columns.stack
-            if stack is not last:  # mostly that of the case before
-                last, cases, places = found.setdefault(id(stack), (stack, [], []))
+            if columns.stack is not last:  # mostly that of the case before
+                last = columns.stack
+                stack, cases, places = found.setdefault(id(last), (last, [], []))
             cases.append(case)
-            places.append(place)
+            places.append(columns.row)
         if len(found) == 1:
             return _rows(stack, places)
         if (

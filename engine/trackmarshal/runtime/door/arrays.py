@@ -65,7 +65,7 @@ class Arrays:
                 own = None if flags is None else flags[place]
                 frame.columns[name] = made = Columns(stack.common.names, numbers[place], own, stack.ids)
                 made.absent = stack.common.absent
-                made.stack = numbers, place
+                made.stack, made.row = numbers, place
             self._cases.check(frame, passed)
             found.append(frame)
         return found

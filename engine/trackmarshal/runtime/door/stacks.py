@@ -129,7 +129,7 @@ class Stacks:
             for index, (values, ids) in enumerate(zip(stack, alike.ids)):
                 made = Columns(names, values, None, ids)
                 made.absent = absent
-                made.stack = stack, index
+                made.stack, made.row = stack, index
                 columns.append(made)
             yield Stack(stack, alike.places, columns)
         self._waiting = {}
