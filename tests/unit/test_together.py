@@ -118,17 +118,19 @@ def test_what_was_read_together_may_be_evaluated_in_any_order(spec: Spec) -> Non
 
 
 def test_arrays_are_taken_and_not_stacked_again(spec: Spec) -> None:
-    """As long as nothing has changed; the array is the one that reading made."""
+    """As long as nothing has changed; the array is the one that reading made, of which each column is taken in one piece."""
     evaluator = Evaluator(spec, None, "numpy")
     cases = evaluator.read_all([case(1.0, 2.0), case(3.0, 4.0)])
     stack = cases[0].columns["plan"].stack
     assert stack is not None
     assert cases[1].columns["plan"].stack is stack
-    table = evaluator.program.run(cases).batch.table("plan", "v")
+    batch = evaluator.program.run(cases).batch
+    table = batch.table("plan", "v")
     assert table.tolist() == [[1.0, 2.0], [3.0, 4.0]]
-    assert np.shares_memory(table, stack)
+    assert table.flags.c_contiguous
+    assert np.shares_memory(batch._stacked("plan"), stack)
     put(cases[0], "v", [1.0, 2.0])  # equal, but who knows
-    assert not np.shares_memory(evaluator.program.run(cases).batch.table("plan", "v"), stack)
+    assert not np.shares_memory(evaluator.program.run(cases).batch._stacked("plan"), stack)
 
 
 def test_cases_of_several_arrays(spec: Spec) -> None:
