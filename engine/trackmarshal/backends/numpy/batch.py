@@ -42,10 +42,10 @@ class Batch:
         self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
         self._own: dict[str, list[Columns]] = {}
-        self._numbers: dict[str, Floats] = {}
         self._counts: dict[str, list[int]] = {}
         self._sizes: dict[ir.Axis, int] = {}
-        self._columns: dict[tuple[str, str], Floats] = {}
+        #: By signal: which row each field is, and (rows, cases, longest) all of them.
+        self._rows: dict[str, tuple[Mapping[str, int], Floats]] = {}
         self._masks: dict[ir.Axis, Bools | None] = {}
         #: Borders and lines prepared for this batch, each with the data that it was made from.
         self.prepared: dict[tuple[Any, ...], tuple[Any, Any]] = {}
@@ -144,14 +144,12 @@ class Batch:
 
     def table(self, signal: str, field: str) -> Floats:
         """(cases, longest): a column of every case, its last value repeated as padding; in one piece, on which numpy works faster."""
-        table = self._columns.get((signal, field))
-        if table is None:
-            numbers = self._numbers.get(signal)
-            if numbers is None:
-                numbers = self._numbers[signal] = self._stacked(signal)
-            row = self.own(signal)[0].names.rows[field]
-            table = self._columns[signal, field] = np.ascontiguousarray(numbers[:, row])
-        return table
+        known = self._rows.get(signal)
+        if known is None:
+            columns = np.ascontiguousarray(self._stacked(signal).swapaxes(0, 1))
+            known = self._rows[signal] = self.own(signal)[0].names.rows, columns
+        rows, columns = known
+        return columns[rows[field], :]
 
     def _stacked(self, signal: str) -> Floats:
         """(cases, numbers, longest): all columns of every case, padded; a view where these stand in one array already."""

@@ -99,6 +99,7 @@ class _Arrays(Batch):
     def __init__(self, spec: Spec, stacked: Stacked, rank: int, tables: Tables) -> None:
         super().__init__(spec, [stacked.shared], rank, tables)
         self._given = stacked
+        self._columns: dict[tuple[str, str], Floats] = {}
         self.size = stacked.size
         self.cases = [stacked.shared] * stacked.size
 
