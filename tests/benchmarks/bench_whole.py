@@ -29,26 +29,41 @@ AHEAD = {
     "q until[0 s, 3 s] p": f"{Q} until[0 s, 3 s] {P}",
     "q until[1 s, 600 s] p": f"{Q} until[1 s, 600 s] {P}",
 }
+#: What takes long where other numbers make more of a window count.
+LONG = ("p since[1 s, 600 s] q", "always[1 s, 600 s] p", "p until[0 s, 3 s] q", "q until[1 s, 600 s] p")
 LIMITS = {f"a million cycles: {name}": 0.05 for name in BACK | AHEAD}
 
 
 def measure() -> dict[str, float]:
     random = np.random.default_rng(1)
-    signals = {"ego": {"v": np.cumsum(random.normal(size=COUNT)) * 0.1, "w": random.normal(size=COUNT)}}
+    v, w = np.cumsum(random.normal(size=COUNT)) * 0.1, random.normal(size=COUNT)
     # Cycles that come a little late: no two windows are of one length.
     stamps = np.arange(COUNT) * 50_000_000 + random.integers(0, 2_000_000, COUNT)
     found = {}
-    for name, formula in (BACK | AHEAD).items():
-        plain = f"({P} or {Q})" if Q in formula else P
-        # By turns, each first as often as second: who comes second finds memory that the first one has given back.
-        spent = {formula: [], plain: []}
-        for k in range(8):
-            for one in (formula, plain) if k % 2 else (plain, formula):
-                spent[one].append(_seconds(one, stamps, signals))
-        whole, alone = (float(np.median(spent[one])) for one in (formula, plain))
+    for name in BACK | AHEAD:
+        whole, alone = _medians(name, stamps, {"ego": {"v": v, "w": w}})
         found[f"a million cycles: {name}"] = whole - alone
         found[f"a million cycles: {name}, the whole rule"] = whole
+    for what, p in (
+        ("p is noise", 5.0 + random.normal(size=COUNT)),
+        ("p holds by more than any q", 1000.0 + v),
+    ):
+        for name in LONG:
+            whole, alone = _medians(name, stamps, {"ego": {"v": p, "w": w}})
+            found[f"a million cycles: {name}, where {what}"] = whole - alone
     return found
+
+
+def _medians(name: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> tuple[float, float]:  # type: ignore[type-arg]
+    """A rule, and one that only says its formulas of each cycle."""
+    formula = (BACK | AHEAD)[name]
+    plain = f"({P} or {Q})" if Q in formula else P
+    # By turns, each first as often as second: who comes second finds memory that the first one has given back.
+    spent = {formula: [], plain: []}
+    for k in range(8):
+        for one in (formula, plain) if k % 2 else (plain, formula):
+            spent[one].append(_seconds(one, stamps, signals))
+    return float(np.median(spent[formula])), float(np.median(spent[plain]))
 
 
 def _seconds(formula: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> float:  # type: ignore[type-arg]
