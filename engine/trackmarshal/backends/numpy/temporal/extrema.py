@@ -40,23 +40,23 @@ def eventually(sat: BoolArray, margin: FloatArray, w: Windows) -> Bound:
 def extrema(given: Sequence[tuple[Rows, Carrier]], w: Windows, *, least: bool) -> list[Rows]:
     """The meet or the join over every window of values (..., n) of some carriers; neutral over an empty one. Windows are cut into blocks once for all."""
     found: list[Rows] = []
-    sides: list[_Side] = []
+    sides: list[Side] = []
     for values, carrier in given:
         better, neutral = (carrier.meet, carrier.top) if least else (carrier.join, carrier.bottom)
         result, out = carrier.results(values.shape, w, neutral)
         found.append(result)
-        sides.append(_Side(carrier.rows(values, w), out, carrier, better, neutral))
+        sides.append(Side(carrier.rows(values, w), out, carrier, better, neutral))
     if w.unbounded:
         for side in sides:
             _to_the_end(side.rows, side.out, w, side.carrier, side.better)
         return found
     for block in blocks(w):
         for side in sides:
-            _of_block(block, side)
+            of_block(block, side)
     return found
 
 
-class _Side(NamedTuple):
+class Side(NamedTuple):
     """Values in the windows' direction, where what comes of them goes, and how."""
 
     rows: Rows
@@ -66,7 +66,8 @@ class _Side(NamedTuple):
     neutral: float | bool
 
 
-def _of_block(block: Block, side: _Side) -> None:
+def of_block(block: Block, side: Side) -> None:
+    """Write the extrema over the windows of a block."""
     rows, out, carrier, better, neutral = side
     for batch in batches(len(rows), block.high - block.low):
         spans = carrier.fetch(rows[batch], block.low, block.high, neutral)
@@ -74,7 +75,8 @@ def _of_block(block: Block, side: _Side) -> None:
         for pick in block.picks:
             while level < pick.level:
                 step = 1 << level
-                better(spans[:, :-step], spans[:, step:], out=spans[:, :-step])
+                # Into an array of their own: of what overlaps numpy makes a copy first.
+                spans = better(spans[:, :-step], spans[:, step:])
                 level += 1
             found = better(choose(spans, pick.left), choose(spans, pick.right))
             out[batch, block.first : block.last][:, pick.into] = found

@@ -14,7 +14,7 @@ import numpy as np
 
 from trackmarshal.backends.numpy.temporal.blocks import Block, batches, blocks, choose, cuts
 from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Bound, Carrier, Rows
-from trackmarshal.backends.numpy.temporal.extrema import extrema, from_begin
+from trackmarshal.backends.numpy.temporal.extrema import Side, extrema, from_begin, of_block
 from trackmarshal.backends.numpy.temporal.windows import BoolArray, FloatArray, Windows
 
 
@@ -58,7 +58,9 @@ def held(given: Sequence[tuple[Rows, Rows, Carrier]], w: Windows) -> list[Rows]:
         for block in blocks(w):
             for side in sides:
                 _of_block(block, side)
-    if not (isinstance(w.begin, int) and w.begin == 0):
+    leading = not (isinstance(w.begin, int) and w.begin == 0)
+    # Where p holds everywhere by no less than what is found, it does on the way to the windows, too.
+    if leading and any(_below(p, out, carrier) for p, _, out, carrier in sides):
         leads = extrema(
             [(np.broadcast_arrays(p, q)[0], carrier) for p, q, carrier in given], w.lead(), least=True
         )
@@ -88,6 +90,10 @@ def _of_block(block: Block, side: _Side) -> None:
         spans = carrier.fetch(q[batch], block.low, block.high, carrier.bottom)
         holds = carrier.fetch(p[batch], block.low, block.high, carrier.top)
         level, settled, looks = 0, False, spans.size > FEW * FEW
+        if looks and not _below(holds, spans, carrier):
+            # Where p holds everywhere by no less than any q, that is the greatest q.
+            of_block(block, Side(q[batch], out[batch], carrier, carrier.join, carrier.bottom))
+            continue
         for pick in block.picks:
             while level < pick.level and not settled:
                 settled = (
@@ -96,7 +102,7 @@ def _of_block(block: Block, side: _Side) -> None:
                     and _settled(spans[:, : block.begins], holds[:, : block.begins])
                 )
                 if not settled:
-                    _double(spans, holds, 1 << level, carrier)
+                    spans, holds = _doubled(spans, holds, 1 << level, carrier)
                     level += 1
             found = choose(spans, pick.left)
             if not settled:
@@ -116,11 +122,16 @@ def _to_the_end(p: Rows, q: Rows, carrier: Carrier) -> Rows:
             holds = carrier.fetch(p[batch], first, last, carrier.top)
             step = 1
             while step < last - first:
-                _double(spans, holds, step, carrier)
+                spans[:, :-step], holds[:, :-step] = _doubled(spans, holds, step, carrier)
                 step *= 2
             carrier.join(spans, carrier.meet(holds, carry), out=rest[batch, first:last])
             carry = rest[batch, first : first + 1]
     return rest
+
+
+def _below(p: Rows, q: Rows, carrier: Carrier) -> bool:
+    """Whether anywhere p holds by less than q may somewhere."""
+    return not p.min(initial=carrier.top) >= q.max(initial=carrier.bottom)
 
 
 def _settled(spans: Rows, holds: Rows) -> bool:
@@ -129,8 +140,10 @@ def _settled(spans: Rows, holds: Rows) -> bool:
     return bool((holds[:, few] <= spans[:, few]).all() and (holds <= spans).all())
 
 
-def _double(spans: Rows, holds: Rows, step: int, carrier: Carrier) -> None:
-    """From spans of `step` samples to spans of twice as many, in place, cut off by the buffer's end."""
+def _doubled(spans: Rows, holds: Rows, step: int, carrier: Carrier) -> tuple[Rows, Rows]:
+    """From spans of `step` samples to spans of twice as many, of those that do not reach beyond the buffer's end.
+
+    In arrays of their own: of what overlaps numpy makes a copy first.
+    """
     later = carrier.meet(holds[:, :-step], spans[:, step:])
-    carrier.join(spans[:, :-step], later, out=spans[:, :-step])
-    carrier.meet(holds[:, :-step], holds[:, step:], out=holds[:, :-step])
+    return carrier.join(spans[:, :-step], later, out=later), carrier.meet(holds[:, :-step], holds[:, step:])
