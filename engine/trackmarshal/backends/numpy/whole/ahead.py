@@ -190,7 +190,9 @@ class Looking:
             return edge_at(edge, 0, count, count).copy()
         # The windows of operators end behind the last cycle that is not after it.
         end = edge_at(self._elements.reached(reach), 0, count, count)
-        found: Indices = end - (stamps.take(end - 1) == until)
+        reached = stamps.take(end - 1) == until
+        # Seldom is a cycle just as much later.
+        found: Indices = end - reached if reached.any() else end.copy()
         return found
 
     def _of_elements(self, node: ir.Formula) -> Times:
@@ -265,9 +267,10 @@ class Looking:
         others = np.flatnonzero(sat != mostly)
         found[others] = few.take(last.take(others))
         found[np.flatnonzero((now >= _at(self._closed(node), chosen)) > sat)] = -np.inf
-        # No goal says more than the greatest of all.
-        fails = np.flatnonzero((found < may_be.max(initial=-np.inf)) > sat)
-        begin = _edge_of(windows.begin, of, first, n).take(fails)
+        # No goal says more than the greatest of all, and where the window has not begun there is none.
+        begin = _edge_of(windows.begin, of, first, n)
+        fails = np.flatnonzero(((found < may_be.max(initial=-np.inf)) & (begin <= last)) > sat)
+        begin = begin.take(fails)
         end = np.minimum(_edge_of(windows.end, of, first, n).take(fails), last.take(fails) + 1)
         seen = Spans(None, may_be, MARGIN).until(Levels(begin, np.maximum(begin, end), n))
         found[fails] = np.maximum(found.take(fails), seen)

@@ -38,12 +38,11 @@ class Firsts:
         n, count = self._n, np.count_nonzero(holds)
         if count * FEW < 3 * n:
             return _until(holds.nonzero()[0] + 1, n, 1)
-        changes = (holds[1:] != holds[:-1]).nonzero()[0] + 1
-        if (n - count) * FEW >= 3 * n and len(changes) * FEW >= n:
-            found = np.where(holds, np.arange(n), NEVER)
-            np.minimum.accumulate(found[::-1], out=found[::-1])
-            return found
+        changed = holds[1:] != holds[:-1]
+        if (n - count) * FEW >= 3 * n and np.count_nonzero(changed) * FEW >= n:
+            return _sought(holds)
         # Where it does not hold: until it holds again, the place where it does.
+        changes = changed.nonzero()[0] + 1
         edges, first = np.concatenate(([0], changes, [n])), int(holds[0])
         begins, ends = edges[first:-1:2], edges[first + 1 :: 2]
         lengths = ends - begins
@@ -104,6 +103,19 @@ class Firsts:
             open_ = (possible < end) & (possible <= broken)
         false = np.where(broken < end, self._places(broken), STAYS)
         return true, np.where(open_, NEVER, false)
+
+
+def _sought(holds: Bools) -> Indices:
+    """(n,): the first place from each on where something holds; NEVER: none. A sum, since to choose by what changes often takes longer; of short
+    integers where they hold it, since the least of all from the end on waits for each."""
+    n = len(holds)
+    kind = np.int32 if 2 * n <= np.iinfo(np.int32).max else np.intp
+    short = np.multiply(~holds, n, dtype=kind)
+    short += np.arange(n, dtype=kind)
+    np.minimum.accumulate(short[::-1], out=short[::-1])
+    found = short.astype(np.intp)
+    found[np.searchsorted(found, n) :] = NEVER  # they never decrease
+    return found
 
 
 def _until(ends: Indices, n: int, less: int = 0) -> Indices:
