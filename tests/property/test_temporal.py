@@ -167,6 +167,33 @@ def test_spans_beyond_which_nothing_says_more(
 
 
 @unhurried
+@given(
+    st.integers(0, 2**32 - 1), st.booleans(), st.booleans(), st.tuples(st.integers(0, 20), st.integers(0, 170)),
+    st.sampled_from([1, 16, 40, 16384]), st.sampled_from([0.0, 0.0, 0.01]),
+)  # fmt: skip
+def test_what_has_to_hold_does_by_more_than_any_goal(
+    seed: int, past: bool, uneven: bool, window: tuple[int, int], block: int, rare: float
+) -> None:
+    """p that is nowhere below any q, or as much as the greatest, zeros of either sign among them; or is below it in some blocks, or on the way to a window."""
+    random, n = np.random.default_rng(seed), 150
+    t = np.cumsum(random.integers(1, 4, n) if uneven else np.ones(n)) * 0.25
+    most = random.choice([0.0, 3.0, 1e300, -1e300, math.inf, -math.inf])
+    p = np.where(random.random(n) < 0.5, most, np.maximum(most, random.choice([0.0, 1e301, math.inf], n)))
+    q = np.where(random.random(n) < 0.5, most, np.minimum(most, random.choice([-0.0, -2.0, -math.inf], n)))
+    for some in (p, q):
+        some[(some == 0.0) & (random.random(n) < 0.5)] = -0.0
+    p_sat, q_sat = random.random(n) >= rare, random.random(n) < random.random()
+    p[random.random(n) < rare] = random.choice([-math.inf, -5.0, 2.0])
+    lower, upper = 0.25 * window[0], 0.25 * sum(window)
+    w, spelled_out = temporal.windows(t, lower, upper, past), reference.windows(t.tolist(), lower, upper, past)  # fmt: skip
+    operator = "since" if past else "until"
+    with mock.patch.object(DOUBLING, "FEW", 1), mock.patch.object(blocks, "BLOCK", block):
+        found = getattr(temporal, operator)(p_sat, p, q_sat, q, w)
+    expected = getattr(reference, operator)(*(each.tolist() for each in (p_sat, p, q_sat, q)), spelled_out)
+    assert_same((found[0][None], found[1][None]), [expected])
+
+
+@unhurried
 @given(cases(), st.booleans(), st.integers(0, 39))
 def test_windows_of_some(case: Case, past: bool, fewer: int) -> None:
     """Those nearest to where windows look to are said as if all were asked for."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import Any
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 
 from property.test_over_run import EXAMPLES
 from trackmarshal.backends.numpy.temporal.carrier import MARGIN, VERDICT, Carrier
+from trackmarshal.backends.numpy.whole import spans as module
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
 
 _NUMBERS = st.lists(
@@ -18,12 +20,19 @@ _NUMBERS = st.lists(
 )
 
 
-@given(_NUMBERS, st.lists(st.lists(st.tuples(st.integers(0, 40), st.integers(0, 40)), max_size=12), min_size=1, max_size=3), st.sampled_from([MARGIN, VERDICT]))  # fmt: skip
+@given(_NUMBERS, st.lists(st.lists(st.tuples(st.integers(0, 40), st.integers(0, 40)), max_size=12), min_size=1, max_size=3), st.sampled_from([MARGIN, VERDICT]), st.sampled_from([0, 2, 16, 1000]))  # fmt: skip
 @settings(max_examples=10 * EXAMPLES, deadline=None)
 def test_as_defined(
+    numbers: list[tuple[float, float]], asked: list[list[tuple[int, int]]], carrier: Carrier, few: int
+) -> None:
+    """Of no element, of one, of all; asked one after the other of one table, or looked through each by itself where they are few."""
+    with mock.patch.object(module, "FEW", few):
+        _compare(numbers, asked, carrier)
+
+
+def _compare(
     numbers: list[tuple[float, float]], asked: list[list[tuple[int, int]]], carrier: Carrier
 ) -> None:
-    """Of no element, of one, of all; asked one after the other of one table."""
     held, goal = np.array(numbers).T.copy() if carrier is MARGIN else np.array(numbers).T > 0.0
     until, least, most = (
         Spans(held, goal, carrier),

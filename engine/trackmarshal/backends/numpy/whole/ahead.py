@@ -7,7 +7,7 @@ window the latest and the earliest of all. Times are places of cycles in a piece
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -289,7 +289,11 @@ class Looking:
         rest = places_of(sat if node.op == "always" else ~sat)
         closed = found[rest]
         if closed.size:
-            found[rest] = self._margins(node, [margins])[chosen][rest]
+            windows = self._windows(node)
+            if isinstance(chosen, slice):  # those of later cycles are not closed
+                windows = replace(windows, asked=chosen.stop)
+            of_all = temporal.extrema([(margins, MARGIN)], windows, least=node.op == "always")[0]
+            found[rest] = of_all[chosen][rest]
         return found
 
     def _among(self, places: Indices) -> Indices:

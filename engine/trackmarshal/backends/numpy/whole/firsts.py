@@ -10,7 +10,8 @@ from trackmarshal.backends.numpy.whole.values import Bools
 
 #: The place of what never comes.
 NEVER = np.iinfo(np.intp).max
-#: What holds in fewer than three of so many elements, or changes in less than one, is looked up, and not sought element by element.
+#: What holds in fewer than three of so many elements, or does not in fewer than two, or changes in less than a quarter of one, is looked up, and
+#: not sought element by element.
 FEW = 16
 #: Of a formula that nothing in its window decides before the window is closed.
 STAYS = -1
@@ -39,7 +40,7 @@ class Firsts:
         if count * FEW < 3 * n:
             return _until(holds.nonzero()[0] + 1, n, 1)
         changed = holds[1:] != holds[:-1]
-        if (n - count) * FEW >= 3 * n and np.count_nonzero(changed) * FEW >= n:
+        if (n - count) * FEW >= 2 * n and np.count_nonzero(changed) * 4 * FEW >= n:
             return _sought(holds)
         # Where it does not hold: until it holds again, the place where it does.
         changes = changed.nonzero()[0] + 1

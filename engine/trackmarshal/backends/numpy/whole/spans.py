@@ -10,6 +10,9 @@ from trackmarshal.backends.numpy.whole.elements import Indices
 #: By length the power of two that is the longest in it; of 0 that of 1.
 _LEVELS = np.maximum(np.frexp(np.arange(1 << 16))[1] - 1, 0).astype(np.uint8)
 
+#: Of spans that are fewer than one of so many elements, and not long, each is looked through by itself: a table of all takes longer.
+FEW = 16
+
 
 class Levels:
     """Spans, none of which ends before it begins, of a piece of n elements: where the two that cover each begin in a table of all spans of powers of two."""
@@ -17,10 +20,12 @@ class Levels:
     def __init__(self, begin: Indices, end: Indices, n: int) -> None:
         length = end - begin
         longest = int(length.max(initial=0))
+        self.begin, self.end = begin, end
         #: Those without an element.
         self.empty: Indices = np.flatnonzero(length == 0) if length.size and not length.all() else length[:0]
         #: The power of two that is the longest in any.
         self.level = max(longest.bit_length() - 1, 0)
+        self.few = len(begin) * FEW < n and int(length.sum()) < n * self.level
         self.left = self.right = begin
         if self.level:
             level = _LEVELS.take(length) if longest < len(_LEVELS) else np.maximum(np.frexp(length)[1] - 1, 0)
@@ -61,8 +66,10 @@ class Spans:
 
     def all(self, spans: Levels) -> Rows:
         """The least of p over each span."""
-        self._make(spans.level)
         assert self._held is not None, "nothing has to hold here"
+        if spans.few:
+            return _each(self._held[0], self.carrier.meet, self.carrier.top, spans)
+        self._make(spans.level)
         found = _looked_up(self._held, spans.left, spans)
         if spans.level:
             self.carrier.meet(found, _looked_up(self._held, spans.right, spans), out=found)
@@ -71,8 +78,10 @@ class Spans:
 
     def until(self, spans: Levels) -> Rows:
         """p until q inside each span."""
-        self._make(spans.level)
         assert self._goal is not None, "nothing is asked for here"
+        if self._held is None and spans.few:
+            return _each(self._goal[0], self.carrier.join, self.carrier.bottom, spans)
+        self._make(spans.level)
         found = _looked_up(self._goal, spans.left, spans)
         if spans.level:
             later = _looked_up(self._goal, spans.right, spans)
@@ -90,6 +99,15 @@ def _grown(table: Rows | None, levels: int) -> Rows | None:
     made: Rows = np.empty((levels, table.shape[1]), table.dtype)
     made[: len(table)] = table
     return made
+
+
+def _each(row: Rows, better: np.ufunc, neutral: float | bool, spans: Levels) -> Rows:
+    """The extremum over each span, from its elements."""
+    # What lies between one span and the next comes along, and is left out. A span may end, or be empty, behind the last element.
+    edges = np.stack((spans.begin, spans.end), axis=1).ravel()
+    found: Rows = better.reduceat(np.append(row, row[-1]), edges)[::2]
+    found[spans.empty] = neutral
+    return found
 
 
 def _looked_up(table: Rows, at: Indices, spans: Levels) -> Rows:
