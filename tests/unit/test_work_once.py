@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections import Counter
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from trackmarshal.backends.reference.evaluator import Env, Reference
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.door.columns import ColumnsReader
+from trackmarshal.runtime.door.values import numbers
 from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
 from trackmarshal.runtime.verdict import Truth
@@ -61,6 +63,13 @@ def test_what_stays_of_a_batch_of_work_is_not_looked_through_at_its_end() -> Non
 def test_what_others_set_aside_stays_there() -> None:
     said = in_a_process_of_its_own(SELDOM.format(before="gc.collect(); gc.freeze()"))
     assert said.split()[1:3] == ["True", "True"]
+
+
+def test_a_cycle_is_read_while_somebody_else_imports_masked_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of which the module is there before what it holds: no cycle ends in an error of that."""
+    monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))
+    assert numbers(np.array([1.0, 2.0])).tolist() == [1.0, 2.0]
+    assert numbers([1, None])[0] == 1.0
 
 
 def test_cases_are_read_without_importing_masked_arrays() -> None:

@@ -42,8 +42,8 @@ def is_array(value: object) -> bool:
 
 def is_masked(value: object) -> bool:
     """Whether an object is a masked array: of what takes long to import, and need not be asked before somebody has imported it."""
-    known = sys.modules.get("numpy.ma")
-    return known is not None and type(value) is known.MaskedArray
+    # None where nobody has imported it, or somebody is just doing so.
+    return type(value) is getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
 
 
 def number(value: Any, spelt: bool = False) -> float | None:
