@@ -185,7 +185,7 @@ def test_the_specs_scale_is_used_where_there_is_one(tmp_path: Path) -> None:
     assert size_of(near).value == 4.0
     assert "spec" in size_of(near).source
     assert "median" in size_of(fast).source
-    least = min(near.lanes["driving"].measured())
+    least = min(near.lanes["driving"].measured)
     assert min(
         next(s for s in scores(run, {}) if s.requirement == "R-2").lanes["driving"].margin
     ) == pytest.approx(least / 4.0)

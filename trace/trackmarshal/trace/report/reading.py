@@ -40,12 +40,9 @@ class Lane:
     def fired(self) -> bool:
         return bool(self.firings)
 
+    @cached_property
     def measured(self) -> list[float]:
         """Finite margins of the cycles in which the rule held or was violated."""
-        return self._measured
-
-    @cached_property
-    def _measured(self) -> list[float]:
         return [m for m, letter in zip(self.margin, self.verdict) if letter in "sv" and math.isfinite(m)]
 
 
@@ -84,7 +81,7 @@ class Rule:
 
         A margin that always is 0 (a trajectory that is made to end at rest) says nothing over time.
         """
-        known = [margins for lane in self.lanes.values() if (margins := lane.measured())]
+        known = [margins for lane in self.lanes.values() if (margins := lane.measured)]
         return min(
             (max(0.0, min(margins)) / median(margins) for margins in known if median(margins) > 0.0),
             default=math.inf,

@@ -39,13 +39,13 @@ def size_of(rule: Rule) -> Size:
     """The scale that the spec declares for what the rule measures; else the median of the sizes of its margins in this run."""
     if rule.scale is not None:
         return Size(rule.scale, "the spec's scale")
-    sizes = [abs(m) for lane in rule.lanes.values() for m in lane.measured() if m != 0.0]
+    sizes = [abs(m) for lane in rule.lanes.values() for m in lane.measured if m != 0.0]
     return Size(median(sizes), "its median in this run") if sizes else Size(1.0, "no margin but 0")
 
 
 def still(rule: Rule) -> bool:
     """Whether a rule holds with a margin of 0 wherever it has one: nothing can be seen of it over time."""
-    margins = [m for lane in rule.lanes.values() for m in lane.measured()]
+    margins = [m for lane in rule.lanes.values() for m in lane.measured]
     letters = {letter for lane in rule.lanes.values() for letter in lane.verdict}
     return bool(margins) and not any(margins) and letters <= set("si-")
 
