@@ -38,6 +38,8 @@ class Batch:
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
+        #: The shape of a number of every case.
+        self._by_case = (self.size, *(1,) * (rank - 1))
         #: What is taken for the numbers that state machines keep.
         self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
@@ -67,7 +69,7 @@ class Batch:
 
     def per_case(self, values: Sequence[Any], dtype: type = np.float64) -> NDArray[Any]:
         """(cases,) shaped for broadcasting."""
-        return np.array(values, dtype=dtype).reshape((self.size,) + (1,) * (self.rank - 1))
+        return np.array(values, dtype=dtype).reshape(self._by_case)
 
     def numbers(self, values: list[float]) -> Any:
         """A number of every case: one for all where they have the same, which is cheaper."""
@@ -89,7 +91,7 @@ class Batch:
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""
         if index in (0, -1):  # the last one is repeated up to the end
-            return self.table(signal, field)[:, index].copy().reshape((self.size,) + (1,) * (self.rank - 1))
+            return self.table(signal, field)[:, index].copy().reshape(self._by_case)
         return self.per_case([columns.column(field)[index] for columns in self.own(signal)])
 
     def scalar(self, signal: str, field: str) -> Any:
@@ -205,13 +207,13 @@ class Batch:
     def mask(self, axis: ir.Axis) -> Bools | None:
         """Which entries of an axis are there, shaped for broadcasting; None when all are, and there is at least one."""
         if axis not in self._masks:
-            counts, size = self.counts(axis.signal), self.count(axis)
+            counts = self.counts(axis.signal)
             there = None
-            if size == 0:
-                there = self.on_axis(np.zeros((self.size, 0), dtype=np.bool_), axis)
-            elif counts.count(counts[0]) < len(counts):
+            if counts.count(counts[0]) < len(counts):
                 own = np.array(counts)[:, None] - (axis.width - 1)
-                there = self.on_axis(np.arange(size) < own, axis)
+                there = self.on_axis(np.arange(self.count(axis)) < own, axis)
+            elif counts[0] < axis.width:
+                there = self.on_axis(np.zeros((self.size, 0), dtype=np.bool_), axis)
             self._masks[axis] = there
         return self._masks[axis]
 

@@ -271,9 +271,8 @@ class Run:
         unsure = [
             row for row, (worst, best) in enumerate(program.margins) if values[worst] is not values[best]
         ]
-        if unsure:
+        if unsure and not logic.full(surely := sat.take(unsure, axis=0)):
             possible, best = program.possible.read(values, size, unsure)
-            surely = sat.take(unsure, axis=0)
             code[unsure] = np.where(surely, _SATISFIED, np.where(possible, _UNDEFINED, _VIOLATED))
             own = margins.take(unsure, axis=0)
             margins[unsure] = np.where(surely, own, np.where(possible, np.nan, best))

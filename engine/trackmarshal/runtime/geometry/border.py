@@ -140,7 +140,7 @@ class Border:
         else:
             k = self.run_segments.take(block, axis=1)
         distance = self.distance(x.take(point), y.take(point), k)
-        best = _least_of(point, distance, x.size)
+        best = _least_of(point, distance)
         is_best = distance == best.take(point)
         row, pair = is_best.nonzero()
         if pair.size > best.size:  # of equally near ones the first
@@ -176,7 +176,7 @@ class Border:
         py *= py
         px += py
         centre = np.sqrt(px, out=px)
-        nearest = _least_of(point, centre, x.size) + SLACK
+        nearest = _least_of(point, centre) + SLACK
         centre -= radius
         near = np.empty(centre.shape[::-1], dtype=np.bool_)
         np.less_equal(centre, nearest.take(point), out=near.T)
@@ -208,10 +208,9 @@ class Border:
         return left
 
 
-def _least_of(point: Ints, numbers: Floats, count: int) -> Floats:
-    """Of numbers (n, pairs) the least of each point, (count,)."""
-    least = np.full(count, np.inf)
-    np.minimum.at(least, point, np.minimum.reduce(numbers, axis=0))
+def _least_of(point: Ints, numbers: Floats) -> Floats:
+    """Of numbers (n, pairs), the pairs ordered by point, the least of each point, (points,): each of them has some."""
+    least: Floats = np.minimum.reduceat(np.minimum.reduce(numbers, axis=0), starts_of(point))
     return least
 
 
