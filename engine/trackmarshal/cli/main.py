@@ -45,6 +45,8 @@ def main(argv: list[str] | None = None) -> int:
     recorded decision, a demand of the V-model) and, where nothing is expected of it, something unsafe. With `--exit-zero` they give 0.
     """
     arguments = sys.argv[1:] if argv is None else argv
+    # What numpy has for large matrices would wait for work in threads of its own, a tenth of a second of CPU at each start.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # text that the terminal's encoding lacks is escaped
             stream.reconfigure(errors="backslashreplace")
