@@ -1,4 +1,4 @@
-"""A command works on one core: what it does not need does not run beside it."""
+"""What a command does not need does not run beside it, and is not imported."""
 
 from __future__ import annotations
 
@@ -43,3 +43,14 @@ def test_a_command_has_no_threads_that_nobody_asked_for(asked: str | None) -> No
     found = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stdout + found.stderr
     assert found.stdout.splitlines()[-1] == f"threads: {asked or 1} {asked or 1}"
+
+
+def test_what_looks_at_specs_alone_does_without_numpy() -> None:
+    """Tests in specs give parameters, tables and places values of their own, which are read as a caller's are."""
+    program = (
+        "import sys; from trackmarshal.cli.main import main; status = main(sys.argv[1:]); "
+        "print(status, 'numpy' in sys.modules)"
+    )
+    command = [sys.executable, "-c", program, "check", "--quiet", "--project", str(REPOSITORY)]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert found.stdout.splitlines()[-1:] == ["0 False"], found.stdout + found.stderr

@@ -135,6 +135,8 @@ def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
 
 
 def _number(value: object, where: str) -> float:
+    if type(value) is float:  # without numpy, as below
+        return value
     from trackmarshal.runtime.door.values import number, worded
 
     found = number(value, spelt=True)
@@ -156,6 +158,8 @@ def _points(raw: Any, what: str) -> list[Point]:
 
 def _rows(raw: Any, what: str) -> list[Any]:
     """The entries of a list, a tuple, or an array of numbers or objects."""
+    if type(raw) is list:
+        return raw
     from trackmarshal.runtime.door import values  # with numpy, which whoever reads no data does without
 
     try:
