@@ -11,6 +11,7 @@ from support.bodies import BOTH, Geometry
 from support.tracks import loop, oval
 from trackmarshal.backends.reference import geometry as reference
 from trackmarshal.runtime.geometry import Corridor, Polyline, distance_to_paths
+from trackmarshal.runtime.geometry.border import Border
 
 BEND = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)]
 SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
@@ -219,3 +220,18 @@ def test_the_path_of_a_car_that_stands_is_its_place(x: list[float], y: list[floa
     assert many[:, 0] == pytest.approx(np.array([wanted, 1.0]), abs=1e-8, nan_ok=True)
     alone = distance_to_paths(zero[:1], zero[:1], path_x[:1, : len(x)], path_y[:1, : len(x)], [len(x)])
     assert alone[0, 0] == pytest.approx(wanted, abs=1e-8, nan_ok=True)
+
+
+@pytest.mark.parametrize("count", [1, 3, 100])
+@pytest.mark.parametrize("place", [0, -1])
+def test_a_point_that_is_none_is_not_left_out(count: int, place: int) -> None:
+    """Whoever asks replaces such points; if one is not, nobody gets fewer answers than points, or another point's."""
+    angles = np.arange(200) * (2.0 * math.pi / 200)
+    border = Border([np.stack([50.0 * np.cos(angles), 50.0 * np.sin(angles)], axis=1)], closed=True)
+    x, y = np.random.default_rng(count).normal(0.0, 30.0, (2, count))
+    assert border.nearest(x, y)[1] == pytest.approx(
+        np.hypot(x[:, None] - border.ax, y[:, None] - border.ay).min(axis=1), abs=0.8
+    )
+    x[place] = math.nan
+    with pytest.raises(AssertionError, match="nearest"):
+        border.nearest(x, y)

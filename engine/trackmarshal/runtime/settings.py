@@ -159,7 +159,7 @@ def _points(raw: Any, what: str) -> list[Point]:
 def _rows(raw: Any, what: str) -> list[Any]:
     """The entries of a list, a tuple, or an array of numbers or objects."""
     if type(raw) is list:
-        return raw
+        return raw.copy()  # what is read is what was checked, whoever writes to it meanwhile
     from trackmarshal.runtime.door import values  # with numpy, which whoever reads no data does without
 
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -38,8 +38,6 @@ class Batch:
         self.cases = cases
         self.size = len(cases)
         self.rank = rank
-        #: The shape of a number of every case.
-        self._by_case = (self.size, *(1,) * (rank - 1))
         #: What is taken for the numbers that state machines keep.
         self.remembered: Mapping[ir.Kept, float] = {}
         self._tables = tables
@@ -65,11 +63,16 @@ class Batch:
         """The places of cases in which something is wrong."""
         return [place for place, case in enumerate(self.cases) if case.faults]
 
+    @cached_property
+    def by_case(self) -> tuple[int, ...]:
+        """The shape of a number of every case."""
+        return (self.size, *(1,) * (self.rank - 1))
+
     # Values of cases ------------------------------------------------------------------------------------------
 
     def per_case(self, values: Sequence[Any], dtype: type = np.float64) -> NDArray[Any]:
         """(cases,) shaped for broadcasting."""
-        return np.array(values, dtype=dtype).reshape(self._by_case)
+        return np.array(values, dtype=dtype).reshape(self.by_case)
 
     def numbers(self, values: list[float]) -> Any:
         """A number of every case: one for all where they have the same, which is cheaper."""
@@ -91,7 +94,7 @@ class Batch:
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""
         if index in (0, -1):  # the last one is repeated up to the end
-            return self.table(signal, field)[:, index].copy().reshape(self._by_case)
+            return self.table(signal, field)[:, index].copy().reshape(self.by_case)
         return self.per_case([columns.column(field)[index] for columns in self.own(signal)])
 
     def scalar(self, signal: str, field: str) -> Any:

@@ -140,14 +140,14 @@ class Border:
         else:
             k = self.run_segments.take(block, axis=1)
         distance = self.distance(x.take(point), y.take(point), k)
-        best = _least_of(point, distance)
+        best = _least_of(point, distance, x.size)
         is_best = distance == best.take(point)
         row, pair = is_best.nonzero()
         if pair.size > best.size:  # of equally near ones the first
             pair, row = np.ascontiguousarray(is_best.T).nonzero()
             first = starts_of(point.take(pair))
             pair, row = pair.take(first), row.take(first)
-        assert pair.size == best.size, "each point has a nearest segment"
+        assert pair.size == best.size, "each point has one nearest segment"
         nearest = np.empty(best.size, dtype=np.intp)
         nearest[point.take(pair)] = k[row, pair]
         return nearest, best
@@ -176,7 +176,7 @@ class Border:
         py *= py
         px += py
         centre = np.sqrt(px, out=px)
-        nearest = _least_of(point, centre) + SLACK
+        nearest = _least_of(point, centre, x.size) + SLACK
         centre -= radius
         near = np.empty(centre.shape[::-1], dtype=np.bool_)
         np.less_equal(centre, nearest.take(point), out=near.T)
@@ -208,9 +208,10 @@ class Border:
         return left
 
 
-def _least_of(point: Ints, numbers: Floats) -> Floats:
-    """Of numbers (n, pairs), the pairs ordered by point, the least of each point, (points,): each of them has some."""
+def _least_of(point: Ints, numbers: Floats, count: int) -> Floats:
+    """Of numbers (n, pairs), the pairs ordered by point, the least of each point, (count,): each of them has some."""
     least: Floats = np.minimum.reduceat(np.minimum.reduce(numbers, axis=0), starts_of(point))
+    assert least.size == count, "each point has a nearest segment"
     return least
 
 

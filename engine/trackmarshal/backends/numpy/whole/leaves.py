@@ -171,7 +171,7 @@ class _Arrays(Batch):
 
     def _shaped(self, values: NDArray[Any]) -> NDArray[Any]:
         """(cycles,) shaped for broadcasting."""
-        return values.reshape((self.size,) + (1,) * (self.rank - 1))
+        return values.reshape(self.by_case)
 
 
 def _coded(codes: NDArray[Any]) -> Floats:
