@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
+from trackmarshal.json_text import named_twice
 
 FORMAT = "trackmarshal-results"
 VERSION = 1
@@ -679,9 +680,7 @@ def strict(data: bytes) -> Any:
 def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     made = dict(pairs)
     if len(made) < len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for place, name in enumerate(names) if name in names[:place])
-        raise ValueError(f"`{twice:.60}` is there twice in one object")
+        raise ValueError(f"`{named_twice(pairs):.60}` is there twice in one object")
     return made
 
 

@@ -23,6 +23,7 @@ from trackmarshal.cli.output import about_json, dump, rule_json, say, table
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import open_regular
+from trackmarshal.json_text import named_twice
 from trackmarshal.runtime.verdict import UNSAFE, About, decides
 from trackmarshal.units import written
 
@@ -254,11 +255,8 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A JSON object; a key that stands twice is refused, since readers disagree on which one counts."""
     result = dict(pairs)
     if len(result) != len(pairs):
-        keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise TrackmarshalError(
-            "D101", f"the key `{twice}` stands twice in one object", help="keep one of them"
-        )
+        message = f"the key `{named_twice(pairs)}` stands twice in one object"
+        raise TrackmarshalError("D101", message, help="keep one of them")
     return result
 
 

@@ -161,8 +161,8 @@ def check_planner(
 
 def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Cycles of a file as plain data, and the header where there is one."""
+    from trackmarshal.json_text import BadJson, parse
     from trackmarshal.scenarios import content, load
-    from trackmarshal.scenarios.json_text import BadJson, parse
 
     data = content.read(path, str(path))
     if data.startswith((b"PK\x03\x04", b"\xff\xff\xff\xff")):

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import BadJson, parse
 from trackmarshal.scenarios import content, structure
 from trackmarshal.scenarios.codes import Faults
 from trackmarshal.scenarios.inputs import filled
-from trackmarshal.scenarios.json_text import BadJson, parse
 from trackmarshal.scenarios.recording import Cycle, Recording
 from trackmarshal.scenarios.structure import Wrong
 

@@ -14,11 +14,11 @@ from pathlib import PurePath
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import BadJson, kind, number, parse
 from trackmarshal.scenarios import content, saa_tables
 from trackmarshal.scenarios.archive import Archive
 from trackmarshal.scenarios.codes import Faults
 from trackmarshal.scenarios.inputs import filled
-from trackmarshal.scenarios.json_text import BadJson, kind, number, parse
 from trackmarshal.scenarios.recording import Columns, Cycle, Recording
 from trackmarshal.scenarios.structure import Wrong, plain
 from trackmarshal.scenarios.trajectory import complete, wrap

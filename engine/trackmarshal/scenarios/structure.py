@@ -10,9 +10,9 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
+from trackmarshal.json_text import BadJson, kind, number
 from trackmarshal.scenarios.fields import ELSEWHERE, OWN, suggestion
 from trackmarshal.scenarios.inputs import not_to_be_given
-from trackmarshal.scenarios.json_text import BadJson, kind, number
 from trackmarshal.scenarios.labels import label
 from trackmarshal.scenarios.recording import CANDIDATES, COLUMNS, TRUTHS, Columns, Cycle, Track
 from trackmarshal.scenarios.trajectory import arc_length

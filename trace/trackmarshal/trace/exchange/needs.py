@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
+from trackmarshal.json_text import named_twice
 from trackmarshal.trace.exchange.content import ESCAPE, FIELDS, Document, Draft, Item, Value, attributes
 from trackmarshal.trace.exchange.refused import Refused, decoded
 from trackmarshal.trace.findings import Finding, Place, warning
@@ -138,8 +139,7 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         made = dict(pairs)
         if len(made) < len(pairs):
-            names = [name for name, _ in pairs]
-            twice = next(name for place, name in enumerate(names) if name in names[:place])
+            twice = named_twice(pairs)
             lines = [
                 text.count("\n", 0, at.start()) + 1
                 for at in re.finditer(re.escape(json.dumps(twice, ensure_ascii=False)) + r"\s*:", text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from typing import Any, Never
 
 
@@ -11,12 +12,20 @@ class BadJson(ValueError):
     """Not the JSON that was expected; the message says why, the caller knows where."""
 
 
+def named_twice(pairs: Iterable[tuple[str, Any]]) -> str | None:
+    """The first name of an object that stands there again, None where none does; in one pass, since an object may have a million of them."""
+    seen: set[str] = set()
+    for name, _ in pairs:
+        if name in seen:
+            return name
+        seen.add(name)
+    return None
+
+
 def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     value = dict(pairs)
     if len(value) != len(pairs):
-        names = [name for name, _ in pairs]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise BadJson(f"the name {twice!r:.60} stands twice in one object")
+        raise BadJson(f"the name {named_twice(pairs)!r:.60} stands twice in one object")
     return value
 
 
