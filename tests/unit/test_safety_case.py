@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-import shutil
 import subprocess
 from collections import Counter
 from dataclasses import replace
@@ -17,21 +16,11 @@ import pytest
 import yaml
 
 from support.project import command, run_command
-from support.safety_case import DAY, NUMBER, Page, corpus, edit, graph_numbers, html, is_place, made_ready
+from support.safety_case import DAY, NUMBER, Page, corpus, edit, graph_numbers, html, is_place
 from trackmarshal import trace
 from trackmarshal.cli import assessment
 from trackmarshal.records import RuleFacts, RunSummary
 from trackmarshal.trace.case.content import NAMES
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 def test_every_number_is_in_the_graph(warehouse: Path) -> None:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
-import pytest
-
-from support.safety_case import Page, edit, html, made_ready
+from support.safety_case import Page, edit, html
 
 ANALYSIS = """analyses:
   - id: AN-7
@@ -23,16 +20,6 @@ OPEN = """    open:
       - Both motors hang on one battery.
       - Both go by one clock.
 """
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 def analysed(project: Path, analysis: str) -> str:

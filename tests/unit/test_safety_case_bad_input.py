@@ -16,21 +16,11 @@ from hypothesis import strategies as st
 
 from support.planted.project import SOURCE
 from support.project import command
-from support.safety_case import DAY, edit, html, made_ready
+from support.safety_case import DAY, edit, html
 from trackmarshal.trace.case.html import _text as html_text
 from trackmarshal.trace.case.typst import string as typst_string
 
 STRING = re.compile(r'"(?:[^"\\]|\\.)*"', re.DOTALL)
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 def test_a_scenario_of_which_it_is_not_known_what_it_is_to_show(tmp_path: Path) -> None:

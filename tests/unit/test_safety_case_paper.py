@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from support.project import command
-from support.safety_case import DAY, edit, html, made_ready
+from support.safety_case import DAY, edit, html
 from trackmarshal.evaluation import load
 from trackmarshal.reading import layout as at
 from trackmarshal.reading import typst as formulas
@@ -96,11 +96,6 @@ def test_letters_without_a_glyph_are_told_by_their_numbers() -> None:
     assert spelled == '#"a α é ≈ ✎ ‹U+6F22› ‹U+5B57› \u200b ‹U+1F600› ‹U+6F22›"'
     assert pdf(spelled, archive=True)
     assert paper.spelled(spelled) == (spelled, "")
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
 
 
 @needs_text

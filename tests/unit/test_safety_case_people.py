@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 import yaml
 
-from support.safety_case import Page, edit, html, made_ready
+from support.safety_case import Page, edit, html
 
 WHO = {
     "GIT_AUTHOR_NAME": "Rolf Reader", "GIT_AUTHOR_EMAIL": "rolf@example.org", "GIT_AUTHOR_DATE": "2026-03-02T23:30:00-0500",
@@ -22,16 +21,6 @@ WHO = {
 def git(project: Path, *arguments: str, text: str = "") -> str:
     done = subprocess.run(["git", *arguments], cwd=project, env=WHO, input=text, capture_output=True, text=True, check=True)  # fmt: skip
     return done.stdout.strip()
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -13,19 +12,9 @@ from typing import Any
 import pytest
 
 from support.project import command
-from support.safety_case import DAY, Page, edit, html, made_ready
+from support.safety_case import DAY, Page, edit, html
 from trackmarshal.cli import assessment
 from trackmarshal.records import FaultCase, FaultResult
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 def under(page: Page, beginning: str) -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import pytest
 import yaml
 
 from support.project import command
-from support.safety_case import DAY, NUMBER, Page, edit, html, made_ready
+from support.safety_case import DAY, NUMBER, Page, edit, html
 from trackmarshal.trace import verdict
 from trackmarshal.trace.case import words as room
 from trackmarshal.trace.case.content import NAMES
@@ -36,16 +35,6 @@ def file(language: str) -> dict[str, str]:
     words = found["words"]
     assert all(isinstance(text, str) for text in words.values())
     return {str(name): text for name, text in words.items()}
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 def test_words_are_in_one_place_and_none_is_left_over() -> None:

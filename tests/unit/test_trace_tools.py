@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
 import yaml
 
 from support.project import command
-from support.safety_case import DAY, Page, html, made_ready
+from support.safety_case import DAY, Page, html
 from trackmarshal.trace.graph.tools import by_table_3
 
 #: ISO 26262-8, table 3, row by row: TI1 and TI2; columns TD1 to TD3.
 TABLE = (("TCL1", "TCL1", "TCL1"), ("TCL1", "TCL2", "TCL3"))
-
-
-@pytest.fixture(scope="module")
-def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return made_ready(tmp_path_factory.mktemp("ready"))
-
-
-@pytest.fixture
-def warehouse(ready: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(ready, tmp_path / "warehouse"))
 
 
 TOOL = {"id": "TL-1", "title": "the planner's compiler", "version": "13.2", "impact": "TI2", "detection": "TD2", "confidence": "TCL2", "rationale": "Nobody <looked> closer."}  # fmt: skip
