@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import ahead, outside_machines, over_run, recalled, recalls, sets
+from trackmarshal.ir.overrun import outside_machines, over_run, recalled, recalls, sets
 from trackmarshal.semantics.errors import OverRunProblem
 from trackmarshal.source import Span
 
@@ -23,6 +23,30 @@ def misused(*formulas: ir.Formula | None) -> OverRunProblem | None:
             if problem is not None:
                 return problem
     return None
+
+
+def misused_along(axis: ir.Axis, *formulas: ir.Formula | None) -> OverRunProblem | None:
+    """The first thing in the formulas of a rule that lives along a timeline that is about the run; None where nothing is."""
+    for formula in formulas:
+        if formula is None or not over_run(formula):
+            continue
+        for node in ir.below(formula):
+            if isinstance(node, ir.Kept):
+                said, span, hint = f"what `{_short(node.machine)}` keeps", _place(formula), ""
+            elif isinstance(node, ir.InState):
+                said, span, hint = f"`{_short(node.machine)}`", node.span, ""
+            elif isinstance(node, ir.Remembered):
+                said, span = f"`{_called(node)}` before `along`", node.span
+                hint = f"below `along` it looks along `{axis.signal}`; for the run, "
+            else:
+                continue
+            problem = f"{said} is about the run, and this rule lives along `{axis.signal}`"
+            return OverRunProblem(span, problem, f"{hint}write two rules, one for each")
+    return None
+
+
+def _short(machine: ir.Machine) -> str:
+    return machine.name.rpartition(".")[2]
 
 
 def _called(node: ir.Remembered) -> str:
@@ -49,7 +73,7 @@ def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
     if (
         isinstance(node, ir.Counted)
         and node.upper is None
-        and any(ahead(part) != 0 for part in node.operands)
+        and any(_waits(part) for operand in node.operands for part in ir.below(operand))
     ):
         hint = "give it a window: `count(p, last: 10 s)`"
         return OverRunProblem(
@@ -83,12 +107,26 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
     if isinstance(node, ir.Quantify) and node.axis.kind == "elements":
         return None
     if isinstance(node, (ir.Compare, ir.Scaled, ir.Quantify)) and recalls(node):
+        of_all = next(
+            (fold for fold in outside_machines(node) if isinstance(fold, ir.Fold) and _of_each(fold)), None
+        )
+        if of_all is not None:
+            what = (
+                "which element is nearest"
+                if of_all.op == "nearest"
+                else f"a number of all elements of `{of_all.axis.signal}`"
+            )
+            machine = _short(recalled(node)[0].machine)
+            hint = f"of one element it is known: write `for all ... in {of_all.axis.signal} where ...`"
+            return OverRunProblem(
+                _place(node), f"what `{machine}` keeps of each element cannot decide {what}", hint
+            )
         bound = next((kept for kept in recalled(node) if not set(sets(kept)) <= set(sets(node))), None)
         if bound is not None:
             hint = (
                 f"put the quantifier over `{bound.machine.axis.signal}` outside" if bound.machine.axis else ""
             )
-            machine = bound.machine.name.rpartition(".")[2]
+            machine = _short(bound.machine)
             return OverRunProblem(
                 _place(node),
                 f"what `{machine}` keeps of an element cannot stand inside a quantifier over samples",
@@ -103,6 +141,16 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
                 )
                 return OverRunProblem(part.span, f"`{_called(part)}` over the run cannot decide {what}", hint)
     return None
+
+
+def _of_each(fold: ir.Fold) -> bool:
+    """Whether a number of many asks what machines keep of each of them."""
+    asked = [part for part in (fold.guard, fold.body) if part is not None]
+    return any(
+        isinstance(part, ir.Kept) and fold.axis in sets(part)
+        for each in asked
+        for part in outside_machines(each)
+    )
 
 
 def _place(node: ir.Formula) -> Span:

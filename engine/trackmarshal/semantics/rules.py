@@ -26,7 +26,7 @@ from trackmarshal.semantics.errors import (
     UnusedVariable,
 )  # fmt: skip
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline, names_in
-from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.overrun import misused, misused_along
 from trackmarshal.semantics.vacuity import vacuous
 from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
 from trackmarshal.source import Span
@@ -129,7 +129,7 @@ class RuleBuilder:
                 core, unit = lower_rule(rule, self.interner, self.x.scales), SCALED
         formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
         course = None if along is None else self.x.courses.get(along.signal)
-        over_run = misused(formula, active) if along is None else None
+        over_run = misused(formula, active) if along is None else misused_along(along, formula, active)
         if over_run is not None:
             self.x.found.append(over_run)
             return None

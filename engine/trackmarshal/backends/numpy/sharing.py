@@ -9,9 +9,9 @@ from trackmarshal.ir import nodes as ir
 
 #: Fields that say how a value is shown, not what it is. Of all others, also of those that a node gets one day, a difference counts;
 #: spans are never compared.
-_SHOWN = {"unit", "shown", "names", "name"}
-#: Nodes of which `name` is what is read, not what is shown.
-_NAMED = (ir.Param, ir.Func)
+_SHOWN = {"unit", "shown", "names"}
+#: Nodes of which `name`, too, is that of a variable; of all others it says what is read.
+_CALLED = ir.At
 
 
 def representatives(nodes: Iterable[ir.Num | ir.Formula]) -> dict[ir.Num | ir.Formula, ir.Num | ir.Formula]:
@@ -25,7 +25,7 @@ def representatives(nodes: Iterable[ir.Num | ir.Formula]) -> dict[ir.Num | ir.Fo
         parts = [
             _key(getattr(node, field), same)
             for field in node.compared
-            if field not in _SHOWN or isinstance(node, _NAMED)
+            if field not in _SHOWN and not (field == "name" and isinstance(node, _CALLED))
         ]
         alone = isinstance(node, ir.SweptClear)
         same[node] = node if alone else known.setdefault((type(node), *parts), node)
