@@ -101,6 +101,10 @@ class Evaluator:
         if backend not in BACKENDS:
             help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"
             raise TrackmarshalError("E405", f"there is no backend `{backend!s:.40}`", help=help_)
+        if isinstance(names, str):  # which is a sequence of letters
+            raise TrackmarshalError(
+                "E401", f"`{names}` is one text", help=f"give a list of rules: [{names!r}]"
+            )
         for name in names or ():
             rule = spec.rule(name)
             if rule is None:

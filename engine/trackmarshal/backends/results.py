@@ -204,10 +204,11 @@ def _no_series(rule: RuleInfo, frame: Frame, wanted: bool) -> tuple[list[str], l
 
 
 def chosen_rules(spec: Spec, names: Sequence[str] | None) -> list[RuleInfo]:
-    """All rules and monitors of a spec, or the named ones; raises KeyError for an unknown name."""
+    """All rules and monitors of a spec, or the named ones, each once; raises KeyError for an unknown name."""
     if names is None:
         return [rule for rule in spec.rules if rule.formula is not None]
-    return [rule for name in names for rule in [_named(spec, name)] if rule.formula is not None]
+    chosen = dict.fromkeys(_named(spec, name) for name in names)
+    return [rule for rule in chosen if rule.formula is not None]
 
 
 def _named(spec: Spec, name: str) -> RuleInfo:

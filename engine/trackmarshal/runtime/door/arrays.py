@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,8 @@ class _Stack:
     values: NDArray[np.float64]
     flags: NDArray[np.int8] | None
     ids: tuple[str, ...]
+    #: What is wrong with a case that its numbers do not say, by case.
+    faults: Mapping[int, list[Fault]]
 
     @property
     def count(self) -> int:
@@ -76,6 +79,8 @@ class Arrays:
         stop = min(stop, self.size)
         if len(self._settings) > 1 or any(one.signal in self._stacks for one in self._template.faults):
             return None
+        if any(stack.faults for stack in self._stacks.values()):
+            return None
         numbers = {name: s.values[start:stop] for name, s in self._stacks.items()}
         flags = {name: None if s.flags is None else s.flags[start:stop] for name, s in self._stacks.items()}
         events = {name: codes[start:stop] for name, codes in self._events.items()}
@@ -104,6 +109,8 @@ class Arrays:
             events[name] = int(codes[index])
             if codes[index] < 0:
                 faults.append(fault("missing", name, "", None, "it is not there"))
+        for stack in self._stacks.values():
+            faults += stack.faults.get(index, ())
         settings = self._settings[index if len(self._settings) > 1 else 0]
         return Frame(
             index,
@@ -243,7 +250,14 @@ class ArraysReader:
         read = reader.read(named, own)
         for one in own:
             _refuse(one, count, record)
-        faults += self._cases.refused(own)
+        # A name that is no member's is in one case, or in some.
+        unknown = [one.field for one in own if name_of(one) == "no_member"]
+        faults += self._cases.refused([one for one in own if one.field not in unknown])
+        wrong: dict[int, list[Fault]] = {}
+        for field in unknown:
+            for case, entries in groupby(reader.no_members(field, named[field]), lambda one: one[0] // count):
+                places = [(index % count, said) for index, said in entries]
+                wrong.setdefault(case, []).append(reader.no_member(field, places, record))
         spoken = self._ids(name, ids, count, faults) if signal.form == SET else ()
         if read.values.shape[1] != size * count:
             raise AssertionError(f"{name}: {read.values.shape[1]} entries of {size} x {count}")
@@ -254,7 +268,7 @@ class ArraysReader:
             else read.flags.reshape(len(reader.names.flags), size, count).transpose(1, 0, 2)
         )
         numbers.flags.writeable = False
-        return _Stack(read, numbers, flags, spoken)
+        return _Stack(read, numbers, flags, spoken, wrong)
 
     def _ids(self, name: str, raw: Any, count: int, faults: list[Fault]) -> tuple[str, ...]:
         """Ids of elements, the same in all cases; counted where there are none."""

@@ -323,11 +323,19 @@ class ColumnsReader:
         members = self._members[name]
         found, unknown = values.places(column, members, self._spelt)
         if unknown:
-            index, said = unknown[0]
-            more = f", and {len(unknown) - 1} more" if len(unknown) > 1 else ""
-            at = None if self.signal.form == RECORD else index
-            faults.append(fault("no_member", self.label, name, at, no_member(said, members) + more))
+            faults.append(self.no_member(name, unknown, self.signal.form == RECORD))
         return found
+
+    def no_member(self, name: str, unknown: Sequence[tuple[int, str]], record: bool) -> Fault:
+        """What is said of entries of a column, by their places, that are names of no member."""
+        index, said = unknown[0]
+        more = f", and {len(unknown) - 1} more" if len(unknown) > 1 else ""
+        message = no_member(said, self._members[name]) + more
+        return fault("no_member", self.label, name, None if record else index, message)
+
+    def no_members(self, name: str, column: Any) -> list[tuple[int, str]]:
+        """The entries of a column, by their places, that are names of no member."""
+        return values.places(column, self._members[name], self._spelt)[1]
 
     def _read_ids(self, column: Any, faults: list[Fault]) -> tuple[str, ...] | None:
         if column is None:
