@@ -268,7 +268,11 @@ def _spoken(name: Any) -> str | None:
     number = item(name) if is_a(name, np.generic) and name.dtype.kind in NUMBERS else name
     if is_a(number, (float, np.longdouble)):
         real = float.__pos__(float(number) if is_a(number, np.longdouble) else number)
-        return repr(real) if math.isfinite(real) else None
+        if not math.isfinite(real):
+            return None
+        # Who has all numbers as floats means the same element by 1.0 as by 1.
+        whole = real.is_integer() and not _long(int(real))
+        return repr(int(real)) if whole else repr(real)
     if is_a(number, bool) or not is_a(number, int) or _long(number):
         return None
     return int.__repr__(number)
