@@ -33,6 +33,8 @@ _SILENT = {
     ("assumption", "reads"),
 }
 
+#: What entries of demands of the gate begin with.
+_GATE = "gate "
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
@@ -65,7 +67,8 @@ class Change:
     after: str
     weaker: bool  #: or not known to be none
     listed: bool = False
-    told: str = ""  #: of what rules come to: whether it got weaker or stronger, by what was recorded
+    #: Of what rules come to: whether it got weaker or stronger, by what was recorded; of what is new: why that is less.
+    told: str = ""
 
     @property
     def key(self) -> str:
@@ -122,6 +125,9 @@ def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator
 
 def _changes(before: Content, now: Content) -> Iterator[Change]:
     renamed = _renamed(before, now)
+    listed = any(key.startswith(_GATE) for key in now)
+    if listed and not any(key.startswith(_GATE) for key in before):
+        yield from _narrowed(before, now)
     for key in sorted((before.keys() | now.keys()) - renamed):
         kind, _, name = key.partition(" ")
         if key not in now:
@@ -136,13 +142,26 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
                 continue
             if kind == "external-tests" and f"report {name.partition(' in ')[2]}" not in now:
                 continue
-            yield Change(kind, name, "", "there", "", kind not in ("waiver", UNREVIEWED))
+            all_demanded = kind == "gate" and not listed
+            yield Change(kind, name, "", "there", "", not (all_demanded or kind in ("waiver", UNREVIEWED)))
         elif key not in before:
             yield Change(
                 kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument", UNREVIEWED)
             )
         else:
             yield from _of(kind, name, before[key], now[key])
+
+
+def _narrowed(before: Content, now: Content) -> Iterator[Change]:
+    """That a gate is written down where there was none: without one every cell is demanded, and what it leaves out is not any more."""
+    stages = [key.partition(" ")[2] for key in before if key.startswith("stage ") and key in now]
+    less = [
+        stage
+        for stage in stages
+        if "*" not in now.get(f"{_GATE}{stage}, covered", {}).get("requirements", ())
+    ]
+    if less:
+        yield Change("gate", "", "says", "every cell", f"less than that at {', '.join(less)}", True)
 
 
 def _turned(pair: str) -> str:

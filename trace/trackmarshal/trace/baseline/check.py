@@ -257,6 +257,8 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found |= {f"issue {issue.id}": issue.id.place for i in project.interfaces for issue in i.issues}
     found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
     found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}
+    if project.gate:
+        found["gate"] = project.gate[0].stage.place
     found |= {f"scenario {s.path}": s.path.place for s in project.scenarios}
     found |= {f"campaign {path}": path.place for path in project.campaigns}
     found |= {f"evidence {e.path} at {e.stage}": e.path.place for e in project.evidence}

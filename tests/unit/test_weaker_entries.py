@@ -1,0 +1,35 @@
+"""What of a baseline's entries counts as less than was accepted."""
+
+from __future__ import annotations
+
+import pytest
+
+from trackmarshal.trace.baseline import Content, changes
+
+STAGES: Content = {"stage S-1": {"counts": ["rule"]}, "stage S-2": {"counts": ["test"]}}
+WHOLE: Content = {f"gate {stage}, covered": {"requirements": ["*"]} for stage in ("S-1", "S-2")}
+ONE: Content = {"gate S-1, covered": {"requirements": ["*"]}}
+
+
+def weaker(before: Content, now: Content) -> list[str]:
+    return [str(change) for change in changes(before, now) if change.weaker]
+
+
+@pytest.mark.parametrize(
+    ("gate", "left"),
+    [
+        ({}, ""),
+        (WHOLE, ""),
+        (ONE, "S-2"),
+        ({"gate S-1, partial": {"requirements": ["*"]}}, "S-1, S-2"),
+        ({**WHOLE, "gate S-2, covered": {"requirements": ["R-1"]}}, "S-2"),
+    ],
+)
+def test_a_gate_that_is_written_down_demands_no_less_than_none(gate: Content, left: str) -> None:
+    said = [f"gate: it was every cell, and is less than that at {left}"] if left else []
+    assert weaker(STAGES, {**STAGES, **gate}) == said
+
+
+def test_without_a_gate_more_is_demanded_than_by_any() -> None:
+    assert weaker({**STAGES, **ONE}, STAGES) == []
+    assert weaker({**STAGES, **WHOLE}, {**STAGES, **ONE}) == ["gate S-2, covered is gone"]
