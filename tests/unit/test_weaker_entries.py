@@ -33,3 +33,28 @@ def test_a_gate_that_is_written_down_demands_no_less_than_none(gate: Content, le
 def test_without_a_gate_more_is_demanded_than_by_any() -> None:
     assert weaker({**STAGES, **ONE}, STAGES) == []
     assert weaker({**STAGES, **WHOLE}, {**STAGES, **ONE}) == ["gate S-2, covered is gone"]
+
+
+REPORT: Content = {"report r.xml at S-1": {"tool": "ctest"}}
+MISSING: Content = {"report r.xml at S-1": {"tool": "ctest", "may be missing": "yes"}}
+EXCUSES = "(it may be missing, and other evidence is not asked for then)"
+
+
+def of_review(report: Content) -> Content:
+    return {key: {**entry, "methods": ["review"]} for key, entry in report.items()}
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "said"),
+    [
+        ({}, REPORT, ""),
+        ({}, MISSING, f" is new {EXCUSES}"),
+        (REPORT, MISSING, ": its may be missing changed from nothing to yes"),
+        (REPORT, of_review(REPORT), ""),
+        (MISSING, of_review(MISSING), f": in its methods `review` came {EXCUSES}"),
+        (of_review(MISSING), MISSING, ": in its methods `review` left"),
+    ],
+)
+def test_a_report_that_may_be_missing_excuses(before: Content, now: Content, said: str) -> None:
+    name = "report r.xml at S-1"
+    assert weaker(before, now) == [f"{name}{said}"] * bool(said)

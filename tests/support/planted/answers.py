@@ -28,6 +28,7 @@ from support.planted.edits import (
     run_git,
     swap,
 )
+from support.planted.evidence import REPORT, REPORTED, ran
 
 R, V, H, D, A = (
     f"requirements/{name}.yaml" for name in ("requirements", "v-model", "hazards", "design", "assurance")
@@ -45,6 +46,7 @@ DOORS = (
 )
 
 
+_COUNTED = swap(V, "counts: [test, fault]", "counts: [test, fault, external test]")
 _SECOND = "  - {stage: S-4-A, requirements: [S-4], at_least: partial}\n"
 
 
@@ -199,6 +201,9 @@ FAULTS = [
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
+    # a report for which methods would wait as long as it is missing
+    Fault("a report that may be missing", all_of(agreed(all_of(_COUNTED, ran("fast"))), swap(V, "  campaigns:", f"  junit: [{{path: {REPORT}, stage: S-3-B, if_there: true}}]\n  campaigns:")), "T373", f"{REPORT} at S-3-B"),
+    Fault("one more method of a report that may be missing", all_of(agreed(all_of(REPORTED, ran("fast"))), swap(V, "if_there: true}", "if_there: true, methods: [review]}")), "T373", f"{REPORT} at S-3-B"),
     # evidence of a kind taken away, and what remains when somebody accepted that
     Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),

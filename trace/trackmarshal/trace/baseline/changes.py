@@ -35,6 +35,8 @@ _SILENT = {
 
 #: What entries of demands of the gate begin with.
 _GATE = "gate "
+#: Why a report that may be missing is less, and methods that it names: nobody asks for other evidence then (T255).
+_EXCUSES = "it may be missing, and other evidence is not asked for then"
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
@@ -145,9 +147,9 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
             all_demanded = kind == "gate" and not listed
             yield Change(kind, name, "", "there", "", not (all_demanded or kind in ("waiver", UNREVIEWED)))
         elif key not in before:
-            yield Change(
-                kind, name, "", "", "there", kind in ("waiver", "link-schema", "argument", UNREVIEWED)
-            )
+            excuses = kind == "report" and bool(now[key].get("may be missing"))
+            weaker = excuses or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
+            yield Change(kind, name, "", "", "there", weaker, told=_EXCUSES if excuses else "")
         else:
             yield from _of(kind, name, before[key], now[key])
 
@@ -205,7 +207,10 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         elif not _hash(old) and not _hash(new):
             shown = (_text(old), _text(new))
         listed = isinstance(old, list) or isinstance(new, list)
-        yield Change(kind, name, field, *shown, _weaker(kind, field, old, new), listed)
+        added = set(_elements(new)) - set(_elements(old))
+        excuses = (kind, field) == ("report", "methods") and bool(added and now.get("may be missing"))
+        weaker = excuses or _weaker(kind, field, old, new)
+        yield Change(kind, name, field, *shown, weaker, listed, _EXCUSES if excuses else "")
 
 
 def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
