@@ -2,26 +2,35 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator
 
 from trackmarshal.records import RunSummary
-from trackmarshal.trace.findings import Finding
+from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
-from trackmarshal.units import from_si, to_si
+from trackmarshal.units import UNIT_PATTERN, from_si, parse_unit, to_si
 
 #: Two numbers that differ by less than this share of the range are the same: recordings are written with so many digits.
 _SAME = 1e-6
+_UNIT = re.compile(rf"(?:1|{UNIT_PATTERN})(?:[*/·]{UNIT_PATTERN})*")
 
 
 def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
-    """T254 for every range of a domain that no recording reaches both ends of."""
+    """T254 for every range of a domain that no recording reaches both ends of; T124 and T127 for what is no range."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     runs = [run for path, run in sorted(spec.runs.items()) if path in declared]
     for entry in project.entries:
         for quantity, low, high in entry.ranges:
+            wrong = _wrong(low, high)
+            if wrong:
+                code, message, help_ = wrong
+                said = f"the range of `{quantity}` {message}"
+                yield error(code, said, quantity.place, help_, str(entry.id))
+                continue
             message = _short(runs, quantity, low, high) if runs else ""
             if message:
                 node = graph.nodes[entry.kind, str(entry.id)]
@@ -36,6 +45,26 @@ def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
                 )  # fmt: skip
 
 
+def _wrong(low: str, high: str) -> tuple[str, str, str] | None:
+    """Code, message and help where two ends make no range."""
+    for end in (low, high):
+        number, unit = _split(end)
+        if not _UNIT.fullmatch(unit):
+            return "T124", f"has an end `{end}`, and there is no unit `{unit}`", "such as `12 m/s`"
+        if not math.isfinite(to_si(number, unit)):
+            return "T124", f"has an end `{end}`, which is beyond all numbers", "claim what can be driven"
+    (start, unit), (end_, other_unit) = _split(low), _split(high)
+    if parse_unit(unit)[2] != parse_unit(other_unit)[2]:
+        return (
+            "T127",
+            f"is from {low} to {high}, which are not of one dimension",
+            "give both ends units of it",
+        )
+    if to_si(start, unit) > to_si(end_, other_unit):
+        return "T127", f"is from {low} to {high}, which is less", "begin with the lower end"
+    return None
+
+
 def _short(runs: list[RunSummary], quantity: str, low: str, high: str) -> str:
     """How far the recordings fall short of a claimed range; empty where they do not."""
     seen = [run.ranges[quantity] for run in runs if quantity in run.ranges]
@@ -47,7 +76,12 @@ def _short(runs: list[RunSummary], quantity: str, low: str, high: str) -> str:
     slack = _SAME * max(abs(begin), abs(finish), abs(finish - begin))
     if least <= begin + slack and most >= finish - slack:
         return ""
-    return f"and the recordings have it from {from_si(least, unit):.6g} to {from_si(most, other_unit):.6g} {other_unit}".rstrip()
+    return f"and the recordings have it from {_in(least, unit)} to {_in(most, other_unit)}"
+
+
+def _in(value: float, unit: str) -> str:
+    """A number in a unit, as it is written."""
+    return f"{from_si(value, unit):.6g}" + (f" {unit}" if unit != "1" else "")
 
 
 def _split(text: str) -> tuple[float, str]:
