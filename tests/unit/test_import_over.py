@@ -77,15 +77,45 @@ def test_it_is_said_before_anything_is_written_too(capsys: pytest.CaptureFixture
 
 
 @pytest.mark.parametrize(
-    "text", ["", "document: system-model\ntitle: T\n", "document: requirements\ntitle: [\n"]
+    ("text", "what"),
+    [
+        ("", "no list of requirements"),
+        ("document: system-model\ntitle: T\n", "the document `system-model`"),
+        (V_MODEL, "the document `v-model`"),
+        ("document: requirements\ntitle: [\n", "no list of requirements"),
+    ],
 )
-def test_a_file_that_is_no_list_of_requirements_is_not_written_over_in_silence(
-    text: str, capsys: pytest.CaptureFixture[str]
+def test_a_file_that_is_no_list_of_requirements_is_not_written_over(
+    text: str, what: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("other.yaml").write_text(text)
     Path("in.csv").write_text(table({"AB-1": "D"}))
+    assert main(["import", "requirements", "in.csv", "--out", "other.yaml", "--force"]) == 2
+    assert f"other.yaml: error[T365]: what would be written over is {what}" in capsys.readouterr().err
+    assert Path("other.yaml").read_text() == text
+
+
+def test_a_list_that_cannot_be_read_whole_is_written_over_with_a_warning(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("other.yaml").write_text("document: requirements\ntitle: T\nrequirements:\n  - {id: AB-1}\n")
+    Path("in.csv").write_text(table({"AB-1": "D"}))
     assert main(["import", "requirements", "in.csv", "--out", "other.yaml", "--force"]) == 0
     assert "other.yaml: warning[T365]" in capsys.readouterr().err
+
+
+def test_a_list_that_is_called_as_the_v_model_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """Whoever names lists in the other tool does not know which files there are here."""
+    Path("requirements/v-model.yaml").write_text(V_MODEL)
+    lists = f"document,{HEAD}" + "".join(
+        f"{name},{id_},A,It shall.,B,draft,QM,test,C\n"
+        for name, id_ in (("v-model", "AB-1"), ("doors", "AB-2"))
+    )
+    Path("in.csv").write_text(lists)
+    assert main(["import", "requirements", "in.csv", "--force"]) == 2
+    assert "requirements/v-model.yaml: error[T365]" in capsys.readouterr().err
+    assert Path("requirements/v-model.yaml").read_text() == V_MODEL
+    assert not Path("requirements/doors.yaml").exists()
 
 
 def test_the_same_list_again_loses_nothing(capsys: pytest.CaptureFixture[str]) -> None:

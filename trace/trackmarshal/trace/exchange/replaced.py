@@ -7,21 +7,27 @@ from pathlib import Path
 
 from trackmarshal.trace import requirements
 from trackmarshal.trace.exchange.content import Document
-from trackmarshal.trace.findings import Finding, Place, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.graph.said import LEVEL
 
 
 def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> Iterator[Finding]:
     """T365 for each requirement of the files, (path, as it is shown), that the documents written over them lack or give a lower ASIL, and for
-    each file that cannot be read as a list of requirements."""
+    each list of requirements that cannot be read whole; an error for each file that is none, which is not written over."""
     now = {str(one.text("id")): one for document in documents for one in document.requirements}
     for path, shown in files:
         wrong: list[Finding] = []
         read = requirements.document(path, shown, wrong)
-        if read is None or wrong or read[0] != "requirements":
+        if read is None or read[0] != "requirements":
+            what = "no list of requirements" if read is None else f"the document `{read[0]}`"
+            message = f"what would be written over is {what}"
+            help_ = "choose another name in the other tool or with `--out`, or remove the file first"
+            yield error("T365", message, Place(shown), help_)
+            continue
+        if wrong:
             message = "what is written over is no list of requirements that can be read whole: what it loses is not known"
             yield warning("T365", message, Place(shown), "look at it before it is gone")
-        for before in () if read is None else read[1].tables("requirements"):
+        for before in read[1].tables("requirements"):
             id_ = before.text("id")
             if id_ not in now:
                 message = f"`{id_}` is dropped: it is in the file that is written over, and not in what is taken over"
