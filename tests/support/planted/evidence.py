@@ -201,6 +201,7 @@ FAULTS = [
     Fault("a waiver approved by its owner under another id", all_of(swap(A, "  - {id: P-4,", "  - {id: P-5, title: dana  Driver, role: safety}\n  - {id: P-4,"), agreed(swap(V, "approver: Sam Safety", "approver: P-5"))), "T130", "P-5"),
     Fault("a reviewer with the name of the owner", swap(A, "title: Vera Verifier", "title: Dana Driver"), "T130", "P-4"),
     Fault("a waiver for all requirements", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: [S-4-B]\n    requirements: ['*']"), "T236", "W-1"),
+    Fault("a waiver for every method of all requirements", agreed(add(V, "  - {id: W-2, codes: [T255], subjects: ['S-*:*'], justification: none, residual_risk: none, owner: Dana Driver, approver: Sam Safety, granted: 2026-01-01, expires: 2026-12-31}\n")), "T236", "W-2"),
     Fault("a waiver of no stage", swap(V, "    stages: [S-4-B]\n    requirements: [S-1]", "    stages: []\n    requirements: [S-1]"), "T126"),
     Fault("a waiver that nobody approved", swap(V, "    approver: Sam Safety\n", ""), "T120"),
     Fault("a waiver that holds longer", swap(V, "granted: 2026-01-01\n    expires: 2026-12-31", "granted: 2026-03-01\n    expires: 2027-02-28"), "T377", "W-1"),

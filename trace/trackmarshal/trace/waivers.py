@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import date, timedelta
 
 from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.gates import WAIVABLE
-from trackmarshal.trace.model import Project, Waiver, matches
+from trackmarshal.trace.model import Project, Requirement, Waiver, matches
 from trackmarshal.trace.values import Placed
 
 
@@ -52,14 +52,14 @@ def plain(name: str) -> str:
 
 def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
     """T236 for a waiver of everything: whoever grants one has looked at no gap in particular."""
-    demanded = [str(r.id) for r in project.by_id.values() if r.demanded]
-    wild = [pattern for pattern in waiver.requirements if "*" in pattern]
+    demanded = [r for r in project.by_id.values() if r.demanded]
+    wild = [pattern for pattern in (*waiver.requirements, *waiver.subjects) if "*" in pattern]
     stages = {str(stage.id) for stage in project.stages}
     found: list[tuple[Placed, str]] = []
     for pattern in (*waiver.requirements, *waiver.subjects):
-        if not pattern.strip("*"):
+        if not pattern.strip("*:"):
             found.append((pattern, f"`{pattern}`, which is everything"))
-    if wild and not found and len(demanded) > 1 and all(matches(id_, wild) for id_ in demanded):
+    if wild and not found and len(demanded) > 1 and all(_excused(r, wild) for r in demanded):
         found.append((wild[0], "every requirement of the project"))
     if len(stages) > 1 and stages <= set(waiver.stages):
         found.append((waiver.stages[0], "every stage"))
@@ -69,6 +69,14 @@ def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
         place, what = found[0]
         message = f"the waiver `{waiver.id}` is for {what}"
         yield error("T236", message, place.place, "name the gaps that somebody has looked at", str(waiver.id))
+
+
+def _excused(requirement: Requirement, patterns: Sequence[str]) -> bool:
+    """Whether patterns fit a requirement, or each method that it names as T255 says it."""
+    methods = [f"{requirement.id}:{word}" for word in requirement.verification]
+    return matches(requirement.id, patterns) or (
+        bool(methods) and all(matches(method, patterns) for method in methods)
+    )
 
 
 __all__ = ["a_year_after", "check", "plain"]
