@@ -58,3 +58,12 @@ def of_review(report: Content) -> Content:
 def test_a_report_that_may_be_missing_excuses(before: Content, now: Content, said: str) -> None:
     name = "report r.xml at S-1"
     assert weaker(before, now) == [f"{name}{said}"] * bool(said)
+
+
+@pytest.mark.parametrize("key", ["method M-1", "work WK-1"])
+def test_a_title_is_held_from_the_next_acceptance_on(key: str) -> None:
+    """A baseline that was accepted before titles were held is as good as ever."""
+    assert list(changes({key: {"equations": "3"}}, {key: {"equations": "3", "title": "proof"}})) == []
+    assert weaker({key: {"title": "proof"}}, {key: {"title": "a look"}}) == [
+        f"{key}: its title changed from proof to a look"
+    ]

@@ -52,6 +52,8 @@ _FIELDS = {
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
+#: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
+_NOT_YET = {("method", "title"), ("work", "title")}
 
 
 #: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
@@ -193,7 +195,7 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         old, new = before.get(field, ""), now.get(field, "")
         if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
             continue
-        if field.startswith(_REASONS) and not (old and new):
+        if (field.startswith(_REASONS) and not (old and new)) or ((kind, field) in _NOT_YET and not old):
             continue
         if UNKNOWN in (old, new):  # of a revision, whose recordings are not read
             continue

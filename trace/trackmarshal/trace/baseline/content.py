@@ -34,8 +34,8 @@ _OWN_VALUES = ["the values of its specs"]
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
-#: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong.
-_NAMED = ("person", "indicator", "malfunction")
+#: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
+_NAMED = ("person", "indicator", "malfunction", "method", "work")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
 

@@ -21,7 +21,14 @@ def cited(source: str, works: Iterable[Node]) -> Iterator[str]:
 
 
 def check(graph: Graph) -> Iterator[Finding]:
-    """T170: equations that a work does not have."""
+    """T170 for equations that a work does not have, T178 for a work that nothing cites: its title is by what rules do."""
+    for work in graph.by_kind.get("work", ()):
+        if not any(link.kind == "cites" for link in graph.into(work.key)):
+            message = f"{called(work.key)} is cited by nothing"
+            help_ = (
+                f"give it the title that the `reference` of a spec has, or strike it; it is `{work.title}`"
+            )
+            yield Finding("T178", "warning", message, work.place, help_, work.id)
     for link in graph.of_kind("cites"):
         work, node = graph.nodes[link.target], graph.nodes[link.source]
         match = _EQUATIONS.match(node.attributes.get("source", "").removeprefix(f"{work.title}, "))
