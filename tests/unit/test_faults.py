@@ -280,6 +280,30 @@ def test_what_the_recording_does_not_have_cannot_be_changed(
     assert (caught.value.code, caught.value.file, caught.value.line) == ("D153", "faults.yaml", fault.line)
 
 
+@pytest.mark.parametrize(
+    ("text", "idle"),
+    [
+        ("{column: driving.v, add: 0}", True),
+        ("{trajectory: driving, keep: 1000}", True),
+        ("{judge: slow, delay: 0.005}", True),
+        ("{column: driving.v, add: 1.0e-9}", False),
+        ("{append: obstacles, id: box, ahead: -500, left: 0, length: 1, width: 1}", False),
+    ],
+)
+def test_a_fault_that_changes_nothing_shows_nothing(
+    campaign: Campaign, bench: Bench, text: str, idle: bool
+) -> None:
+    changes = (change(document.read(text.encode(), "f.yaml")),)
+    outcome = bench.run(campaign, replace(friction(campaign), changes=changes, expected=None))
+    assert outcome.first is None
+    assert outcome.wrong == ("it changes nothing: all cycles are as they were recorded" if idle else "")
+
+
+def test_a_fault_may_say_that_nothing_is_put_in(campaign: Campaign, bench: Bench) -> None:
+    """What fires then is a false alarm."""
+    assert bench.run(campaign, replace(friction(campaign), changes=(), expected=None)).wrong == ""
+
+
 def test_a_fault_at_a_time_that_the_recording_does_not_have(campaign: Campaign, bench: Bench) -> None:
     with pytest.raises(TrackmarshalError, match="no cycle in the time") as caught:
         bench.run(campaign, replace(friction(campaign), begin=20.0, end=20.1, expected=None))

@@ -187,6 +187,8 @@ FAULTS = [
     Fault("a test of another runner that is not in the folder of reports any more, however that is written", all_of(_FOLDER, agreed(_ran("fast", "slow")), _ran("fast")), "T221", "S-1 in ./out//reports at S-3-B"),
     Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
     Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
+    # faults that are put in
+    Fault("a fault that changes nothing", add(F, '  - id: F-3\n    title: "The planner drives faster"\n    requirement: S-1\n    begin: 0.1\n    end: 0.2\n    change:\n      - {column: driving.v, add: 0}\n    expect: {}\n'), "T260", "F-3"),
     # waivers
     Fault("a waiver until 9999", swap(V, "expires: 2026-12-31", "expires: 9999-12-31"), "T235", "W-1"),
     Fault("a waiver for everything by x", add(V, "  - {id: W-2, stages: [S-1-A, S-2-A, S-2-B, S-2-C, S-3-B, S-4-A, S-4-B], requirements: ['*'], justification: none, residual_risk: none, owner: x, approver: Sam Safety, granted: 2026-01-01, expires: 9999-12-31}\n"), "T153", "W-2"),

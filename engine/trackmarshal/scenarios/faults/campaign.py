@@ -67,6 +67,7 @@ class Bench:
         self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
         self._cycles = list(cycles(recording))
         self._judging = Judging(evaluator.program)
+        self._idle = False  #: whether the last fault said changes, and nothing came of them
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
         """Put one fault in and see what comes of it; the run is made twice, its frames are judged twice, and both have to come out the same.
@@ -79,6 +80,8 @@ class Bench:
         if not confirmed or [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
             wrong = f"{outcome.wrong}; " if outcome.wrong else ""
             return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
+        if self._idle:  # an undisturbed run shows nothing of faults
+            return replace(outcome, wrong="it changes nothing: all cycles are as they were recorded")
         return outcome
 
     def _decisions(self, campaign: Campaign, fault: Fault) -> list[tuple[float, Decision]]:
@@ -90,6 +93,7 @@ class Bench:
         supervisor.program = judge = _Saboteur(self._judging)
         said: list[tuple[float, Decision]] = []
         touched = False
+        self._idle = bool(fault.changes)
         free = -math.inf  # when the Supervisor is done with the cycle before
         for cycle in self._cycles:
             if not begin <= cycle.t <= end:
@@ -109,6 +113,7 @@ class Bench:
                         line=fault.line,
                         help="name what the recording has",
                     ) from error
+                self._idle = self._idle and moment == Moment.of(cycle)
             if moment.lost:
                 continue
             arrival = max(moment.arrival, free)
