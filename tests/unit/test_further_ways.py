@@ -207,6 +207,38 @@ def test_it_is_not_safe(way: str, backend: str) -> None:
     assert against(given, backend) == found
 
 
+def swerving(v: float, step: float, over: float = 18.0, aside: float = 3.0) -> Columns:
+    """To the left by so many metres over so many, in half a wave, in steps of so many metres."""
+    x = np.linspace(0.0, 40.0, 4001)
+    u = np.minimum(x / over, 1.0) * np.pi
+    slope = aside / 2 * np.pi / over * np.sin(u)
+    bend = np.where(x < over, aside / 2 * (np.pi / over) ** 2 * np.cos(u), 0.0)
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(1.0, (slope[1:] + slope[:-1]) / 2) * np.diff(x))])
+    own = np.arange(0.0, s[-1], step)
+    columns = along(own / v, own, v, 0.0)
+    columns["x"] = np.interp(own, s, x)
+    columns["y"] = np.interp(own, s, aside / 2 * (1.0 - np.cos(u)))
+    return columns | {
+        "heading": np.interp(own, s, np.arctan(slope)), "kappa": np.interp(own, s, bend / (1.0 + slope**2) ** 1.5),
+    }  # fmt: skip
+
+
+@BACKENDS
+@pytest.mark.parametrize("step", [1.0, 2.0, 3.0, 4.0, 6.0, 8.0])
+def test_swerving_at_a_car_is_seen_in_steps_of_any_length(step: float, backend: str) -> None:
+    given = made(swerving(15.0, step), braking(5.0, 15.0), objects=[car(0.0, 2.6, 15.0)])
+    assert ("planned_side", "driving") in against(given, backend)
+
+
+@BACKENDS
+@pytest.mark.parametrize(("begin", "end"), [(20.0, 30.6), (40.0, 46.6), (60.0, 65.0)])
+def test_drag_takes_nothing_off_what_tyres_do_to_get_faster(begin: float, end: float, backend: str) -> None:
+    v = np.array([begin, np.sqrt((begin**2 + end**2) / 2), end])
+    t = np.concatenate([[0.0], np.cumsum(10.0 / ((v[1:] + v[:-1]) / 2))])
+    given = made(along(t, [0.0, 10.0, 20.0], v, 0.0), braking(12.0, begin))
+    assert ("speed_integrity", "driving") in against(given, backend)
+
+
 def in_small_steps(
     steps: Sequence[float], count: int, across: float, v: float = SPEED
 ) -> tuple[Columns, float]:
