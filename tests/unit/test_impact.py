@@ -108,6 +108,13 @@ def test_the_formats(format: str, file: str, robot: Path) -> None:
     assert without_commits(out) == (GOLDEN / file).read_text("utf-8")
 
 
+def test_a_scenario_that_is_gone_is_a_change(car: Path) -> None:
+    (car / "specs" / "scenarios" / "too_fast.yaml").unlink()
+    (one,) = impact(car)["changed"]
+    assert (one["kind"], one["id"]) == ("scenario", "specs/scenarios/too_fast.yaml")
+    assert "its contents changed (there is none any more)" in one["what"]
+
+
 def test_a_spec_that_no_commit_has_is_a_change_that_is_not_in_it(robot: Path) -> None:
     """Results are made from it, and cannot be made again from the commit alone."""
     assert not commit(robot).endswith("+")

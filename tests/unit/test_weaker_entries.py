@@ -67,3 +67,19 @@ def test_a_title_is_held_from_the_next_acceptance_on(key: str) -> None:
     assert weaker({key: {"title": "proof"}}, {key: {"title": "a look"}}) == [
         f"{key}: its title changed from proof to a look"
     ]
+
+
+@pytest.mark.parametrize(
+    ("key", "field", "called"),
+    [
+        ("evidence docs/a.md at S-1", "sha256", "contents"),
+        ("scenario s.yaml", "recording", "contents"),
+        ("analysis AN-1", "evidence sha256", "evidence"),
+        ("assumption A-1", "evidence sha256", "evidence"),
+    ],
+)
+def test_a_file_that_is_gone_is_told_where_it_is_missed_or_here(key: str, field: str, called: str) -> None:
+    before: Content = {key: {field: "a" * 64}}
+    assert list(changes(before, {key: {}})) == []
+    said = [f"{key}: its {called} changed (there is none any more)"]
+    assert [str(change) for change in changes(before, {key: {}}, missed=False)] == said

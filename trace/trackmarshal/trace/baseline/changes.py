@@ -48,7 +48,7 @@ _FIELDS = {
     "named": "files that it names",
 }
 
-#: Hashes of files. What is not there is told where it is missed.
+#: Hashes of files. The gate tells what is not there where it is missed.
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
@@ -71,7 +71,7 @@ class Change:
     after: str
     weaker: bool  #: or not known to be none
     listed: bool = False
-    #: Of what rules come to: whether it got weaker or stronger, by what was recorded; of what is new: why that is less.
+    #: Of what rules come to: whether it got weaker or stronger, by what was recorded; of what is new, or not there: why that is less.
     told: str = ""
 
     @property
@@ -114,12 +114,15 @@ _COME_TO = {
 }  # fmt: skip
 
 
-def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator[Change]:
+def changes(
+    before: Content, now: Content, tell: Tell | None = None, *, missed: bool = True
+) -> Iterator[Change]:
     """All differences, in the order of the entries. What is gone takes with it what it is made of: the tests of a rule that is gone are not told, nor the issues of an interface, nor what is in a report.
 
-    tell: asked once, and only where rules, or what they read, are other ones.
+    tell: asked once, and only where rules, or what they read, are other ones. missed: files that are gone, or empty, are told where they are missed,
+    as the gate does; otherwise they are told here.
     """
-    found = list(_changes(before, now))
+    found = list(_changes(before, now, missed))
     keys = [one.key for one in found if one.field in _COME_TO.get(one.kind, ())]
     told = tell(before, keys) if keys and tell is not None else {}
     for one in found:
@@ -127,7 +130,7 @@ def changes(before: Content, now: Content, tell: Tell | None = None) -> Iterator
         yield replace(one, told=told.get(one.key, "")) if told and of_it else one
 
 
-def _changes(before: Content, now: Content) -> Iterator[Change]:
+def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
     renamed = _renamed(before, now)
     listed = any(key.startswith(_GATE) for key in now)
     if listed and not any(key.startswith(_GATE) for key in before):
@@ -153,7 +156,7 @@ def _changes(before: Content, now: Content) -> Iterator[Change]:
             weaker = excuses or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
             yield Change(kind, name, "", "", "there", weaker, told=_EXCUSES if excuses else "")
         else:
-            yield from _of(kind, name, before[key], now[key])
+            yield from _of(kind, name, before[key], now[key], missed)
 
 
 def _narrowed(before: Content, now: Content) -> Iterator[Change]:
@@ -190,10 +193,11 @@ def _renamed(before: Content, now: Content) -> set[str]:
     return found
 
 
-def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
+def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterator[Change]:
     for field in sorted(before.keys() | now.keys()):
         old, new = before.get(field, ""), now.get(field, "")
-        if old == new or (kind, field) in _SILENT or (field in _FILES and not new):
+        without = field in _FILES and not new
+        if old == new or (kind, field) in _SILENT or (without and missed):
             continue
         if (field.startswith(_REASONS) and not (old and new)) or ((kind, field) in _NOT_YET and not old):
             continue
@@ -212,7 +216,8 @@ def _of(kind: str, name: str, before: Entry, now: Entry) -> Iterator[Change]:
         added = set(_elements(new)) - set(_elements(old))
         excuses = (kind, field) == ("report", "methods") and bool(added and now.get("may be missing"))
         weaker = excuses or _weaker(kind, field, old, new)
-        yield Change(kind, name, field, *shown, weaker, listed, _EXCUSES if excuses else "")
+        told = _EXCUSES if excuses else "there is none any more" if without else ""
+        yield Change(kind, name, field, *shown, weaker, listed, told)
 
 
 def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:

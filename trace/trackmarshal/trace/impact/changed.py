@@ -35,7 +35,7 @@ class Changed(NamedTuple):
 def changed(before: Version, now: Version) -> list[Changed]:
     """All of them, in the order of the V-model. Titles, reasons, layout and comments do not count."""
     said: dict[Key, list[tuple[str, str, bool]]] = defaultdict(list)
-    for one in changes(before.content, now.content):
+    for one in changes(before.content, now.content, missed=False):
         if one.kind in (UNREVIEWED, "external-tests", *_OF_GRAPH):
             continue  # which reviews fall is told by itself, texts are below, and reports are of no revision
         how = "changed" if one.field else "gone" if one.before else "new"
