@@ -265,3 +265,32 @@ def test_what_we_write_is_read_as_it_was(tmp_path_factory: pytest.TempPathFactor
     suites = list(dict.fromkeys(line.suite for line in lines))
     wanted = [(line.outcome, line.verifies) for suite in suites for line in lines if line.suite == suite]
     assert [(test.outcome, test.requirements) for test in found] == wanted
+
+
+@pytest.mark.parametrize("name", ["failure", "error", "skipped"])
+@pytest.mark.parametrize(
+    ("where", "text"),
+    [
+        ("properties", '<properties><property name="verifies" value="S-1"/><{} message="no"/></properties>'),
+        (
+            "property",
+            '<properties><property name="verifies" value="S-1"><{} message="no"/></property></properties>',
+        ),
+    ],
+)
+def test_what_came_of_a_test_counts_among_properties_too(
+    name: str, where: str, text: str, tmp_path: Path
+) -> None:
+    inside = text.format(name)
+    (test,) = read(tmp_path, f'<testsuite name="s"><testcase name="t">{inside}</testcase></testsuite>')
+    said = f"<{name}> in <{where}> is not known, so it is not known what came of it"
+    assert (test.outcome, test.message, test.requirements) == ("error", said, ("S-1",))
+    with pytest.raises(TrackmarshalError) as caught:
+        read(tmp_path, f'<testsuite name="s">{inside}<testcase name="t"/></testsuite>')
+    assert (caught.value.code, caught.value.message) == ("T333", f"<{name}> in <{where}> is not known")
+
+
+def test_what_else_stands_among_properties_is_passed_over(tmp_path: Path) -> None:
+    inside = '<properties><note>none</note><property name="a"><b/></property></properties>'
+    (test,) = read(tmp_path, f'<testsuite name="s"><testcase name="t">{inside}</testcase></testsuite>')
+    assert test.outcome == "passed"

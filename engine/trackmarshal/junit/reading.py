@@ -109,8 +109,10 @@ class _Reader:
                 self._property = (attributes.get("name", ""), attributes.get("value", ""))
                 self._text = ""
             else:
-                self._silent = 1
-        else:  # in a failure, which may hold more than text, or a property
+                self._beside(name, parent)
+        elif parent == "property":
+            self._beside(name, parent)
+        else:  # in a failure, which may hold more than text
             self._silent = 1
 
     def _in_suite(self, name: str, attributes: dict[str, str]) -> None:
@@ -146,6 +148,16 @@ class _Reader:
         elif name != "properties":
             self._case.say("error", f"<{name}> in a test is not known, so it is not known what came of it")
             self._silent = 1
+
+    def _beside(self, name: str, parent: str) -> None:
+        """What stands among properties: all but an outcome, which is one wherever it stands, is passed over."""
+        if name in _SAYS and self._case is None:
+            raise self._fail("T333", f"<{name}> in <{parent}> is not known", AGAIN)
+        if name in _SAYS and self._case is not None:
+            self._case.say(
+                "error", f"<{name}> in <{parent}> is not known, so it is not known what came of it"
+            )
+        self._silent = 1
 
     def _end(self, name: str) -> None:
         self._path.pop()
