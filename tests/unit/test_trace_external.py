@@ -230,3 +230,30 @@ def test_the_graph_leads_to_both(tmp_path: Path) -> None:
     ):
         (found,) = paths(graph, named(graph, "S-1-B-1"), named(graph, kind))
         assert wanted in str(found)
+
+
+@pytest.mark.parametrize(
+    ("names", "repeats"),
+    [
+        ("(a+)+$", True),
+        ("(?:a|a)*b", True),
+        ("(a?){40}b", True),
+        ("(a+)(?#again)+", True),
+        ("(?x)(a+) +", True),
+        ("S_1_[AB]_[0-9]+", False),
+        (r"\)+", False),
+        ("[()]+", False),
+        ("[^]()*]+", False),
+        (r"[\])]+", False),
+        ("(?:^|_)(S_[0-9]+)(?![0-9])", False),
+        ("(S-[0-9]+)?", False),
+    ],
+)
+def test_names_that_repeat_a_group_are_refused(names: str, repeats: bool, tmp_path: Path) -> None:
+    """A long name that does not fit would be tried for ever."""
+    made = project(tmp_path, f"junit: [{{path: out/results.xml, stage: S-3-B, names: '{names}'}}]")
+    found = report(made, f'<testcase name="{"a" * 40}!"/>').matrix().findings
+    said = [finding.message for finding in found if finding.code == "T340"]
+    assert (
+        said == [f"`{names}` repeats a group, so that one long name may be tried in endless ways"] * repeats
+    )

@@ -188,6 +188,7 @@ FAULTS = [
     Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),
     Fault("a report of another runner that has no test", all_of(REPORTED, agreed(ran("fast")), ran()), "T330", REPORT),
     Fault("a test of another runner that failed among its properties", all_of(REPORTED, agreed(ran("fast")), remade(REPORT, lambda data: data.replace(b"</properties>", b'<failure message="it hit the wall"/></properties>'))), "T337", "fast"),
+    Fault("names that one long name is tried against for ever", all_of(REPORTED, agreed(ran("fast")), swap(V, "if_there: true}", "if_there: true, names: (_?S)+}")), "T340", REPORT),
     # faults that are put in
     Fault("a fault that changes nothing", add(F, '  - id: F-3\n    title: "The planner drives faster"\n    requirement: S-1\n    begin: 0.1\n    end: 0.2\n    change:\n      - {column: driving.v, add: 0}\n    expect: {}\n'), "T260", "F-3"),
     # waivers

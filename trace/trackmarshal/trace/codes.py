@@ -137,7 +137,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T337": ("an external test failed", "A test of another runner that verifies a requirement failed, or could not be run; so did one that passed only when it was repeated, and one of which it is not known what came of it."),
     "T338": ("external tests were skipped", "A test that was skipped, or is disabled, shows nothing about the requirement that it names."),
     "T339": ("external tests where they do not count", "The report is declared for a stage whose `counts` does not have `external test`, so that nothing in it would show in the matrix."),
-    "T340": ("names by no regular expression", "`names` of a test report is to find ids of requirements in the names of its tests, and is no regular expression."),
+    "T340": ("names by no regular expression", "`names` of a test report is to find ids of requirements in the names of its tests, and is no regular expression. Nor may it repeat a group, as `(a+)+` does: one long name could keep the command for ever."),
     "T341": ("a test report that names no requirement", "None of its tests has a property `verifies` or a name in which an id is found, so the report shows nothing."),
     "T342": ("code that implements nothing", "A comment says that the code implements a requirement that does not exist, or is demanded no longer."),
     "T343": ("source code is not there", "v-model.yaml names a folder of source code that does not exist, or cannot be read whole."),

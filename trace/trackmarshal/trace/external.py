@@ -20,6 +20,8 @@ from trackmarshal.trace.values import Placed
 
 #: What a test came to that passed with another version of its file.
 STALE = "stale"
+#: In a regular expression a group that is repeated, in its first group; escapes and sets of characters are passed over.
+_REPEATED = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|(\)(?:\s|\(\?#[^)]*\))*[*+{])", re.DOTALL)
 
 
 class External(NamedTuple):
@@ -52,9 +54,9 @@ def verdict(test: ExternalTest) -> tuple[str, str]:
 
 def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[External]:
     try:
-        pattern = re.compile(entry.names) if entry.names else None
-    except re.error as problem:
-        message = f"`{entry.names}` is no regular expression: {problem}"
+        pattern = _pattern(entry.names) if entry.names else None
+    except ValueError as problem:
+        message = f"`{entry.names}` {problem}"
         found.append(error("T340", message, entry.names.place, "such as `S_1_[AB]_[0-9]+`", entry.path))
         return
     tests: list[ExternalTest] = []
@@ -91,6 +93,17 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         yield External(
             test, entry.stage, Place(file, test.line) if file else Place(test.report, test.report_line)
         )
+
+
+def _pattern(names: str) -> re.Pattern[str]:
+    """The expression that finds ids; raises ValueError for what is none, or may take time without end."""
+    try:
+        pattern = re.compile(names)
+    except re.error as problem:
+        raise ValueError(f"is no regular expression: {problem}") from problem
+    if any(match[1] for match in _REPEATED.finditer(names)):
+        raise ValueError("repeats a group, so that one long name may be tried in endless ways")
+    return pattern
 
 
 def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
