@@ -86,6 +86,7 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "rules in another order",
         "the baseline moved with all that was accepted",
         "the baseline with the ends of lines of Windows",
+        "a report that may be missing, accepted when nobody was asked for a name",
         "an acceptance merged",
         "acceptances of two branches, and one more of both",
     ],

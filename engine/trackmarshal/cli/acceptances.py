@@ -316,8 +316,10 @@ def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change 
     """The first change by which something is less and that no acceptance by name tells."""
     named = [said for one in accepted if one.by and one.reason for said in one.weaker]
     for change in found:
-        if change.weaker and not any(
-            said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named
+        if (
+            change.weaker
+            and not change.unasked
+            and not any(said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named)
         ):
             return change
     return None

@@ -73,6 +73,9 @@ class Change:
     listed: bool = False
     #: Of what rules come to: whether it got weaker or stronger, by what was recorded; of what is new, or not there: why that is less.
     told: str = ""
+    unasked: bool = (
+        False  #: earlier versions of the program asked for no name, so that older acceptances have none
+    )
 
     @property
     def key(self) -> str:
@@ -154,7 +157,9 @@ def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
         elif key not in before:
             excuses = kind == "report" and bool(now[key].get("may be missing"))
             weaker = excuses or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
-            yield Change(kind, name, "", "", "there", weaker, told=_EXCUSES if excuses else "")
+            yield Change(
+                kind, name, "", "", "there", weaker, told=_EXCUSES if excuses else "", unasked=excuses
+            )
         else:
             yield from _of(kind, name, before[key], now[key], missed)
 
@@ -217,7 +222,7 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         excuses = (kind, field) == ("report", "methods") and bool(added and now.get("may be missing"))
         weaker = excuses or _weaker(kind, field, old, new)
         told = _EXCUSES if excuses else "there is none any more" if without else ""
-        yield Change(kind, name, field, *shown, weaker, listed, told)
+        yield Change(kind, name, field, *shown, weaker, listed, told, excuses)
 
 
 def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
