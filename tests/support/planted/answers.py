@@ -205,6 +205,7 @@ FAULTS = [
     Fault("a report that may be missing", all_of(agreed(all_of(_COUNTED, ran("fast"))), swap(V, "  campaigns:", f"  junit: [{{path: {REPORT}, stage: S-3-B, if_there: true}}]\n  campaigns:")), "T373", f"{REPORT} at S-3-B"),
     Fault("one more method of a report that may be missing", all_of(agreed(all_of(REPORTED, ran("fast"))), swap(V, "if_there: true}", "if_there: true, methods: [review]}")), "T373", f"{REPORT} at S-3-B"),
     # evidence of a kind taken away, and what remains when somebody accepted that
+    Fault("evidence that is said to be a review", swap(V, "methods: [analysis]", "methods: [analysis, review]"), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),
     Fault("evidence of another method", swap(V, "methods: [analysis]", "methods: [review]"), "T373", "docs/planner.md at S-2-A"),

@@ -10,6 +10,9 @@ from trackmarshal.trace.baseline.content import UNKNOWN, UNREVIEWED, Content, En
 
 ASILS = ("QM", "A", "B", "C", "D")
 
+#: And methods that a document or a report is said to answer: no link tells that it does, and other evidence is not asked for then.
+_CLAIMS = "that it is evidence of this kind is for somebody to say"
+
 #: Fields of which an element less is a weakening, and one more is none.
 _FEWER = {
     ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
@@ -220,9 +223,10 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         listed = isinstance(old, list) or isinstance(new, list)
         added = set(_elements(new)) - set(_elements(old))
         excuses = (kind, field) == ("report", "methods") and bool(added and now.get("may be missing"))
-        weaker = excuses or _weaker(kind, field, old, new)
-        told = _EXCUSES if excuses else "there is none any more" if without else ""
-        yield Change(kind, name, field, *shown, weaker, listed, told, excuses)
+        claims = field == "methods" and kind in ("evidence", "report") and bool(added)
+        weaker = excuses or claims or _weaker(kind, field, old, new)
+        told = _EXCUSES if excuses else _CLAIMS if claims else "there is none any more" if without else ""
+        yield Change(kind, name, field, *shown, weaker, listed, told, excuses or claims)
 
 
 def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
