@@ -24,6 +24,7 @@ from support.planted.edits import (
     agreed,
     all_of,
     committed,
+    cut,
     put,
     run_git,
     swap,
@@ -109,6 +110,13 @@ def test_two_faults_are_two_causes(project: Path) -> None:
         ("T374", "braking"),
     ]
     assert status == 1
+
+
+def test_a_gate_that_is_written_down_hides_nothing_that_is_gone(project: Path) -> None:
+    """It is no setting of the project of which it comes that less is read."""
+    next(f for f in evidence.FAULTS if f.name == "a gate where there was none").edit(project)
+    cut("requirements/requirements.yaml", "  - id: S-9\n", "")(project)
+    assert sorted(causes(judged(project)[1])) == [("T223", "S-9"), ("T371", "gate")]
 
 
 def test_results_edited_by_hand_are_found_only_by_running_again(project: Path) -> None:

@@ -148,7 +148,7 @@ FAULTS = [
     Fault("the gate cut to one stage", cut(V, "  - {stage: S-2-A, requirements: [S-31]}\n", "waivers:"), "T371", "S-2-A, covered"),
     Fault("a stage left out of the gate", swap(V, "  - {stage: S-4-B, requirements: [S-1]}\n", ""), "T371", "S-4-B, covered"),
     Fault("a requirement left out of the gate", swap(V, "{stage: S-4-A, requirements: [S-32, S-4], at_least: partial}", "{stage: S-4-A, requirements: [S-32], at_least: partial}"), "T371", "S-4-A, partial"),
-    Fault("a gate where there was none", all_of(agreed(cut(V, "gate:\n", "waivers:")), swap(V, "waivers:\n", "gate:\n  - {stage: S-1-A, requirements: ['*']}\nwaivers:\n")), "T371"),
+    Fault("a gate where there was none", all_of(agreed(cut(V, "gate:\n", "waivers:")), swap(V, "waivers:\n", "gate:\n  - {stage: S-1-A, requirements: ['*']}\nwaivers:\n")), "T371", "gate"),
     Fault("a demand of nothing", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: []}"), "T126"),
     Fault("a demand of no id", swap(V, "{stage: S-4-A, requirements: [S-1]}", "{stage: S-4-A, requirements: [S 1]}"), "T124"),
     Fault("no specs named", swap(V, "  specs: [specs]\n", ""), "T120"),

@@ -68,7 +68,8 @@ def check(
     for code, group in _grouped((change for change in found if change.weaker), listed):
         at = [places.get(change.key.removeprefix(f"{UNREVIEWED} "), here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
-        name = group[0].name
+        # Without a subject it would be about the settings, as which specs are read, of which may come that others are gone.
+        name = group[0].key if group[0].kind == "gate" and not group[0].name else group[0].name
         if group[0].kind in ("test", UNREVIEWED):
             name = name.partition(": ")[0] if group[0].kind == "test" else name.partition(" ")[2]
         message = (
