@@ -239,6 +239,22 @@ def test_drag_takes_nothing_off_what_tyres_do_to_get_faster(begin: float, end: f
     assert ("speed_integrity", "driving") in against(given, backend)
 
 
+#: Squares of speeds in m^2/s^2 at the beginning and the end of a step of 10 m, for which tyres do more than 13 m/s^2 and `tol_a` against drag, or
+#: with it, wherever in the step they do it. Each fits with the drag of that end at which it is less of a matter.
+WITH_DRAG = [(3600.0, 3810.0), (2500.0, 2726.0), (3600.0, 3284.0), (2500.0, 2200.0)]
+
+
+@BACKENDS
+@pytest.mark.parametrize(("begin", "end"), WITH_DRAG)
+def test_drag_helps_by_the_least_and_hinders_by_the_most_within_a_step(
+    begin: float, end: float, backend: str
+) -> None:
+    v = np.sqrt([begin, end, end])
+    t = np.concatenate([[0.0], np.cumsum(10.0 / ((v[1:] + v[:-1]) / 2))])
+    given = made(along(t, [0.0, 10.0, 20.0], v, 0.0), braking(12.0, float(v[0]), 100))
+    assert ("speed_integrity", "driving") in against(given, backend)
+
+
 def in_small_steps(
     steps: Sequence[float], count: int, across: float, v: float = SPEED
 ) -> tuple[Columns, float]:
