@@ -231,6 +231,16 @@ def test_swerving_at_a_car_is_seen_in_steps_of_any_length(step: float, backend: 
 
 
 @BACKENDS
+@pytest.mark.parametrize(("room", "safe"), [(0.52, False), (0.7, True)])
+def test_what_is_planned_across_within_one_step_is_seen(room: float, safe: bool, backend: str) -> None:
+    """Over by 1 m in a step of 10 m, and along the road at both of its ends: 0.2 s later 0.23 m are gone, 0.28 m needed to stop, and 0.11 m in any case."""
+    given = made(
+        swerving(16.0, 10.0, 10.0, 1.0), braking(12.0, 16.0), objects=[car(0.0, WIDTH / 2 + 1.0 + room, 16.0)]
+    )
+    assert against(given, backend) == (set() if safe else {("planned_side", "driving")})
+
+
+@BACKENDS
 @pytest.mark.parametrize(("begin", "end"), [(20.0, 30.6), (40.0, 46.6), (60.0, 65.0)])
 def test_drag_takes_nothing_off_what_tyres_do_to_get_faster(begin: float, end: float, backend: str) -> None:
     v = np.array([begin, np.sqrt((begin**2 + end**2) / 2), end])
