@@ -136,3 +136,52 @@ def test_all_evaluators_say_the_same() -> None:
     for name in RULES:  # races in which nothing happens would show nothing
         assert min(seen[f"{name} {verdict}"] for verdict in ("satisfied", "inactive")) >= 3, dict(seen)
         assert seen[f"{name} violated"] >= 3, dict(seen)
+
+
+def under_yellow(ahead: list[float], radius: float = 300.0) -> list[dict[str, Any] | None]:
+    """The whole lap is under a yellow flag; by cycle, how far ahead the only other car is."""
+    cycles: list[dict[str, Any] | None] = []
+    for k, lead in enumerate(ahead):
+        poses = [
+            {
+                "x": radius * math.cos(s / radius),
+                "y": radius * math.sin(s / radius),
+                "heading": s / radius + math.pi / 2,
+            }
+            for s in (50.0 + 2.0 * k, 50.0 + 2.0 * k + lead, 52.0 + 2.0 * k)
+        ]
+        cycles.append(
+            {
+                "t": round(STEP * k, 3),
+                "params": {"rulebooks.racing.give_back": 0.2},
+                "signals": {
+                    "ego": {**poses[0], "v": 20.0, "age": 0.0},
+                    "objects": [{"id": "o", **poses[1], "v": 20.0, "length": 4.7, "width": 2.0, "age": 0.0}],
+                    "track": ring(radius, 12.0), "yellow_sectors": [{"id": "0", "from": 10.0, "to": 10.0}],
+                    "plan": {
+                        "t": [0.0, STEP], "s": [0.0, 2.0], "v": [20.0] * 2, "a": [0.0] * 2, "kappa": [1 / radius] * 2,
+                        "grip": [1.0] * 2, **{name: [poses[0][name], poses[2][name]] for name in ("x", "y", "heading")},
+                    },
+                },
+            }
+        )  # fmt: skip
+    return cycles
+
+
+HALF = math.pi * 300.0
+#: How far ahead the other car is, and whether it was passed. At the half-lap mark, whoever pulls away is first ahead and then behind.
+PASSED = {
+    "past the half-lap mark": ([HALF - 3.0 + k for k in range(10)], False),
+    "past it": ([3.0 - k for k in range(10)], True),
+    "past it within a cycle, far": ([40.0, *[-40.0] * 9], True),
+}
+
+
+@pytest.mark.parametrize(
+    "backend", ["reference", "numpy", pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))]
+)  # fmt: skip
+@pytest.mark.parametrize("way", PASSED)
+def test_half_a_lap_away_nobody_is_passed(way: str, backend: str) -> None:
+    ahead, passed = PASSED[way]
+    verdicts = [row[RULES.index("gives_back")][0] for row in said(backend, under_yellow(ahead))]
+    assert ("violated" in verdicts) is passed, verdicts
