@@ -51,6 +51,9 @@ def of_review(report: Content) -> Content:
     [
         ({}, REPORT, ""),
         ({}, MISSING, f" is new {EXCUSES}"),
+        ({}, PAGE, ""),
+        ({}, of_review(PAGE), f" is new {CLAIMS}"),
+        ({}, of_review(REPORT), f" is new {CLAIMS}"),
         (REPORT, MISSING, ": its may be missing changed from nothing to yes"),
         (REPORT, of_review(REPORT), f": in its methods `review` came {CLAIMS}"),
         (PAGE, of_review(PAGE), f": in its methods `review` came {CLAIMS}"),

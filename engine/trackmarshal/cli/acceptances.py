@@ -316,9 +316,11 @@ def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change 
     """The first change by which something is less and that no acceptance by name tells."""
     named = [said for one in accepted if one.by and one.reason for said in one.weaker]
     for change in found:
+        # What nobody was asked for once, somebody has accepted who gave a name to something.
+        by_somebody = change.unasked and any(one.by and one.reason for one in accepted)
         if (
             change.weaker
-            and not change.unasked
+            and not by_somebody
             and not any(said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named)
         ):
             return change

@@ -94,6 +94,12 @@ def _by_nobody(held: dict[str, Any]) -> None:
     held["acceptances"].append({**held["acceptances"][-1], "by": "", "reason": ""})
 
 
+def _claimed_by_nobody(held: dict[str, Any]) -> None:
+    """A method that a document is said to answer, in an acceptance that names nobody."""
+    held["content"]["evidence docs/planner.md at S-2-A"]["methods"] = ["analysis", "review"]
+    held["acceptances"].append({**held["acceptances"][-1], "by": "", "reason": "", "weaker": []})
+
+
 def _taken_back(root: Path) -> None:
     """A requirement more, accepted and committed; then it is gone, and so is the version of the baseline that held it."""
     before = (root / BASELINE).read_bytes()
@@ -206,6 +212,8 @@ FAULTS = [
     Fault("one more method of a report that may be missing", all_of(agreed(all_of(REPORTED, ran("fast"))), swap(V, "if_there: true}", "if_there: true, methods: [review]}")), "T373", f"{REPORT} at S-3-B"),
     # evidence of a kind taken away, and what remains when somebody accepted that
     Fault("evidence that is said to be a review", swap(V, "methods: [analysis]", "methods: [analysis, review]"), "T373", "docs/planner.md at S-2-A"),
+    Fault("evidence that is said to be a review by a second entry", swap(V, "methods: [analysis]}", "methods: [analysis]}\n  - {path: docs/planner.md, title: The same, stage: S-2-B, requirements: [S-31], methods: [review]}"), "T373", "docs/planner.md at S-2-B"),
+    Fault("evidence that is said to be a review, accepted by nobody", all_of(swap(V, "methods: [analysis]", "methods: [analysis, review]"), accepted(_claimed_by_nobody, rehash=True), committed("more")), "T380", rerun=True),
     Fault("evidence that is no analysis any more", swap(V, ", methods: [analysis]", ""), "T373", "docs/planner.md at S-2-A"),
     Fault("evidence that is no analysis any more, accepted", agreed(swap(V, ", methods: [analysis]", "")), "T255", "S-31:analysis"),
     Fault("evidence of another method", swap(V, "methods: [analysis]", "methods: [review]"), "T373", "docs/planner.md at S-2-A"),

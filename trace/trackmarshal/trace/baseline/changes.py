@@ -10,9 +10,6 @@ from trackmarshal.trace.baseline.content import UNKNOWN, UNREVIEWED, Content, En
 
 ASILS = ("QM", "A", "B", "C", "D")
 
-#: And methods that a document or a report is said to answer: no link tells that it does, and other evidence is not asked for then.
-_CLAIMS = "that it is evidence of this kind is for somebody to say"
-
 #: Fields of which an element less is a weakening, and one more is none.
 _FEWER = {
     ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
@@ -40,6 +37,8 @@ _SILENT = {
 _GATE = "gate "
 #: Why a report that may be missing is less, and methods that it names: nobody asks for other evidence then (T255).
 _EXCUSES = "it may be missing, and other evidence is not asked for then"
+#: Why methods that a document or a report is said to answer are: no link tells that it does.
+_CLAIMS = "that it is evidence of this kind is for somebody to say"
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
@@ -158,11 +157,9 @@ def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
             all_demanded = kind == "gate" and not listed
             yield Change(kind, name, "", "there", "", not (all_demanded or kind in ("waiver", UNREVIEWED)))
         elif key not in before:
-            excuses = kind == "report" and bool(now[key].get("may be missing"))
-            weaker = excuses or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
-            yield Change(
-                kind, name, "", "", "there", weaker, told=_EXCUSES if excuses else "", unasked=excuses
-            )
+            why = _excuses(kind, now[key], bool(now[key].get("methods")))
+            weaker = bool(why) or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
+            yield Change(kind, name, "", "", "there", weaker, told=why, unasked=bool(why))
         else:
             yield from _of(kind, name, before[key], now[key], missed)
 
@@ -221,12 +218,18 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         elif not _hash(old) and not _hash(new):
             shown = (_text(old), _text(new))
         listed = isinstance(old, list) or isinstance(new, list)
-        added = set(_elements(new)) - set(_elements(old))
-        excuses = (kind, field) == ("report", "methods") and bool(added and now.get("may be missing"))
-        claims = field == "methods" and kind in ("evidence", "report") and bool(added)
-        weaker = excuses or claims or _weaker(kind, field, old, new)
-        told = _EXCUSES if excuses else _CLAIMS if claims else "there is none any more" if without else ""
-        yield Change(kind, name, field, *shown, weaker, listed, told, excuses or claims)
+        added = field == "methods" and bool(set(_elements(new)) - set(_elements(old)))
+        why = _excuses(kind, now, added) if added else ""
+        weaker = bool(why) or _weaker(kind, field, old, new)
+        told = why or ("there is none any more" if without else "")
+        yield Change(kind, name, field, *shown, weaker, listed, told, bool(why))
+
+
+def _excuses(kind: str, entry: Entry, methods: bool) -> str:
+    """Why evidence that is new, or that answers more `methods`, is less; empty where it is not."""
+    if kind == "report" and entry.get("may be missing"):
+        return _EXCUSES
+    return _CLAIMS if kind in ("evidence", "report") and methods else ""
 
 
 def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
