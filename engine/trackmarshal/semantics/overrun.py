@@ -106,7 +106,7 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
         return None
     if isinstance(node, ir.Quantify) and node.axis.kind == "elements":
         return None
-    if isinstance(node, (ir.Compare, ir.Scaled, ir.Quantify)) and recalls(node):
+    if isinstance(node, ir.Formula) and recalls(node):
         of_all = next(
             (fold for fold in outside_machines(node) if isinstance(fold, ir.Fold) and _of_each(fold)), None
         )
