@@ -5,17 +5,19 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable
-from typing import Any, Never
+from typing import Any, Never, TypeVar
+
+T = TypeVar("T")
 
 
 class BadJson(ValueError):
     """Not the JSON that was expected; the message says why, the caller knows where."""
 
 
-def named_twice(pairs: Iterable[tuple[str, Any]]) -> str | None:
-    """The first name of an object that stands there again, None where none does; in one pass, since an object may have a million of them."""
-    seen: set[str] = set()
-    for name, _ in pairs:
+def named_twice(names: Iterable[T]) -> T | None:
+    """The first name that stands there again, None where none does; in one pass, since a file may have a million of them."""
+    seen: set[T] = set()
+    for name in names:
         if name in seen:
             return name
         seen.add(name)
@@ -25,7 +27,7 @@ def named_twice(pairs: Iterable[tuple[str, Any]]) -> str | None:
 def _pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     value = dict(pairs)
     if len(value) != len(pairs):
-        raise BadJson(f"the name {named_twice(pairs)!r:.60} stands twice in one object")
+        raise BadJson(f"the name {named_twice(name for name, _ in pairs)!r:.60} stands twice in one object")
     return value
 
 

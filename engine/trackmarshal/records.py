@@ -680,7 +680,7 @@ def strict(data: bytes) -> Any:
 def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     made = dict(pairs)
     if len(made) < len(pairs):
-        raise ValueError(f"`{named_twice(pairs):.60}` is there twice in one object")
+        raise ValueError(f"`{named_twice(name for name, _ in pairs):.60}` is there twice in one object")
     return made
 
 

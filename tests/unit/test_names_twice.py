@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trackmarshal.cli import evaluate
+from trackmarshal.cli import choose, evaluate
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.json_text import BadJson, named_twice, parse
 from trackmarshal.records import strict
-from trackmarshal.trace.exchange import needs
+from trackmarshal.trace.exchange import csv_text, needs
 from trackmarshal.trace.exchange.refused import Refused
 
 #: A name that stands twice, after many that do not.
@@ -36,13 +36,13 @@ class Counted(str):
 @given(st.lists(st.text(max_size=2)))
 def test_the_first_that_stands_there_again(names: list[str]) -> None:
     again = [name for place, name in enumerate(names) if name in names[:place]]
-    assert named_twice([(name, 1) for name in names]) == (again[0] if again else None)
+    assert named_twice(names) == (again[0] if again else None)
 
 
 def test_in_one_pass() -> None:
     names = [Counted(f"k{number}") for number in range(3000)] + [Counted("k2999")]
     Counted.compared = 0
-    assert named_twice([(name, 1) for name in names]) == "k2999"
+    assert named_twice(names) == "k2999"
     assert Counted.compared < 2 * len(names)
 
 
@@ -55,3 +55,8 @@ def test_every_reader_tells_it(tmp_path: Path) -> None:
         evaluate._parse(LATE.encode())
     with pytest.raises(Refused, match="`k1999` is there twice"):
         needs._parsed(LATE, "needs.json")
+    columns = ",".join(f"k{number}" for number in range(2000))
+    with pytest.raises(Refused, match="`k1999` is there twice"):
+        csv_text.read(f"{columns},k1999\n".encode(), "in.csv")
+    with pytest.raises(TrackmarshalError, match="two candidates are called `k1999`"):
+        choose._check_names([*columns.split(","), "k1999"], "in.jsonl")

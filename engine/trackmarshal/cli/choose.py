@@ -19,6 +19,7 @@ from trackmarshal.cli.output import dump, rule_json, say
 from trackmarshal.cli.preferring import choice_json, reasons, violations_json, violations_table, why
 from trackmarshal.cli.project import optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import named_twice
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import Spec
@@ -82,7 +83,7 @@ def _check_names(names: Sequence[str], file: str) -> None:
     if not names:
         help_ = 'a candidate is one line, such as {"id": "left", "signals": {"plan": {"t": [0, 0.1], ...}}}'
         raise TrackmarshalError("E409", "there is no candidate", file=file, help=help_)
-    twice = next((name for name in names if names.count(name) > 1), None)
+    twice = named_twice(names)
     if twice is not None:
         raise TrackmarshalError(
             "E409", f"two candidates are called `{twice}`", file=file, help="give each an `id` of its own"

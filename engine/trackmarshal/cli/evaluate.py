@@ -255,7 +255,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A JSON object; a key that stands twice is refused, since readers disagree on which one counts."""
     result = dict(pairs)
     if len(result) != len(pairs):
-        message = f"the key `{named_twice(pairs)}` stands twice in one object"
+        message = f"the key `{named_twice(name for name, _ in pairs)}` stands twice in one object"
         raise TrackmarshalError("D101", message, help="keep one of them")
     return result
 

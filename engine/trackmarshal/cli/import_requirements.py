@@ -12,6 +12,7 @@ from pathlib import Path
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import named_twice
 from trackmarshal.trace import exchange
 from trackmarshal.trace.exchange import Document, Naming
 from trackmarshal.trace.findings import Finding
@@ -77,11 +78,11 @@ def _targets(documents: list[Document], path: Path, root: Path | None, out: str 
     targets = [
         (folder if out is None else Path(out)) / f"{_name(document.name)}.yaml" for document in documents
     ]
-    twice = [target for place, target in enumerate(targets) if target in targets[:place]]
-    if twice:
+    twice = named_twice(targets)
+    if twice is not None:
         raise exchange.Refused(
             "T360",
-            f"two of the lists would be `{twice[0]}`",
+            f"two of the lists would be `{twice}`",
             str(path),
             help="give them names of their own in the other tool",
         )

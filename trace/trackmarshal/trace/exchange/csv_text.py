@@ -9,6 +9,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 
+from trackmarshal.json_text import named_twice
 from trackmarshal.trace.exchange.content import BETWEEN, FIELDS, Document, Draft, Item, Value, attributes
 from trackmarshal.trace.exchange.refused import Refused, decoded
 from trackmarshal.trace.values import Table
@@ -50,11 +51,11 @@ def read(data: bytes, shown: str) -> list[Draft]:
     rows = _rows(decoded(data, shown), shown)
     line, head = next(rows, (1, []))
     names = [_text(cell).strip() for cell in head]
-    twice = [name for place, name in enumerate(names) if name in names[:place]]
-    if not names or twice or "" in names:
+    twice = named_twice(names)
+    if not names or twice is not None or "" in names:
         said = (
-            f"the column `{twice[0]}` is there twice"
-            if twice
+            f"the column `{twice}` is there twice"
+            if twice is not None
             else "a column has no name"
             if names
             else "there is no header"

@@ -139,7 +139,7 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
     def once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         made = dict(pairs)
         if len(made) < len(pairs):
-            twice = named_twice(pairs)
+            twice = named_twice(name for name, _ in pairs)
             lines = [
                 text.count("\n", 0, at.start()) + 1
                 for at in re.finditer(re.escape(json.dumps(twice, ensure_ascii=False)) + r"\s*:", text)
