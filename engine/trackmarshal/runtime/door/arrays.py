@@ -252,7 +252,7 @@ class ArraysReader:
             _refuse(one, count, record)
         # A name that is no member's is in one case, or in some.
         unknown = [one.field for one in own if name_of(one) == "no_member"]
-        faults += self._cases.refused([one for one in own if one.field not in unknown])
+        faults += self._cases.refused([one for one in own if name_of(one) != "no_member"])
         wrong: dict[int, list[Fault]] = {}
         for field in unknown:
             for case, entries in groupby(reader.no_members(field, named[field]), lambda one: one[0] // count):

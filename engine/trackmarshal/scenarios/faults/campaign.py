@@ -67,33 +67,31 @@ class Bench:
         self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
         self._cycles = list(cycles(recording))
         self._judging = Judging(evaluator.program)
-        self._idle = False  #: whether the last fault said changes, and nothing came of them
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
         """Put one fault in and see what comes of it; the run is made twice, its frames are judged twice, and both have to come out the same.
 
         Raises D153 for a fault that cannot be put into this recording.
         """
-        said = [self._decisions(campaign, fault) for _ in range(2)]
+        said, disturbed = zip(*(self._decisions(campaign, fault) for _ in range(2)))
         outcome = _outcome(fault, said[0], self._evaluated)
         confirmed = self._judging.confirmed()
         if not confirmed or [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
             wrong = f"{outcome.wrong}; " if outcome.wrong else ""
             return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
-        if self._idle:  # an undisturbed run shows nothing of faults
+        if fault.changes and not any(disturbed):  # an undisturbed run shows nothing of faults
             return replace(outcome, wrong="it changes nothing: all cycles are as they were recorded")
         return outcome
 
-    def _decisions(self, campaign: Campaign, fault: Fault) -> list[tuple[float, Decision]]:
-        """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s."""
+    def _decisions(self, campaign: Campaign, fault: Fault) -> tuple[list[tuple[float, Decision]], bool]:
+        """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s; and whether any cycle was changed."""
         last = fault.end if fault.expected is None else max(fault.end, fault.expected.last)
         begin, end = fault.begin - campaign.lead - _SLACK, last + campaign.lead + _SLACK
         clock = _Clock()
         supervisor = self._box.supervisor(self._limits, clock.read)
         supervisor.program = judge = _Saboteur(self._judging)
         said: list[tuple[float, Decision]] = []
-        touched = False
-        self._idle = bool(fault.changes)
+        touched = disturbed = False
         free = -math.inf  # when the Supervisor is done with the cycle before
         for cycle in self._cycles:
             if not begin <= cycle.t <= end:
@@ -113,7 +111,7 @@ class Bench:
                         line=fault.line,
                         help="name what the recording has",
                     ) from error
-                self._idle = self._idle and moment == Moment.of(cycle)
+                disturbed = disturbed or moment != Moment.of(cycle)
             if moment.lost:
                 continue
             arrival = max(moment.arrival, free)
@@ -126,7 +124,7 @@ class Bench:
             raise TrackmarshalError(
                 "D153", message, file=campaign.source, line=fault.line, help="choose a time that it has"
             )
-        return said
+        return said, disturbed
 
 
 class _Clock:

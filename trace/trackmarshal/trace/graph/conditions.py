@@ -12,7 +12,7 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
-from trackmarshal.units import UNIT_PATTERN, from_si, parse_unit, to_si
+from trackmarshal.units import UNIT_PATTERN, parse_unit, to_si, written
 
 #: Two numbers that differ by less than this share of the range are the same: recordings are written with so many digits.
 _SAME = 1e-6
@@ -76,12 +76,9 @@ def _short(runs: list[RunSummary], quantity: str, low: str, high: str) -> str:
     slack = _SAME * max(abs(begin), abs(finish), abs(finish - begin))
     if least <= begin + slack and most >= finish - slack:
         return ""
-    return f"and the recordings have it from {_in(least, unit)} to {_in(most, other_unit)}"
-
-
-def _in(value: float, unit: str) -> str:
-    """A number in a unit, as it is written."""
-    return f"{from_si(value, unit):.6g}" + (f" {unit}" if unit != "1" else "")
+    return (
+        f"and the recordings have it from {written(least, '', unit, 6)} to {written(most, '', other_unit, 6)}"
+    )
 
 
 def _split(text: str) -> tuple[float, str]:
