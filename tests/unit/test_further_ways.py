@@ -166,7 +166,8 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "a fallback that is due at rest in 1000 s": (
         made(steady(), late(braking(), 1000.0)), {("time_integrity", "emergency")}),
     "a way to rest that an arc length hides": (
-        made(steady(), falling_back(braking(3.0), 60.0), objects=[car(40.0, v=15.0)]), {("safe_fallback", "emergency")}),
+        made(steady(), falling_back(braking(3.0), 60.0), objects=[car(40.0, v=15.0)]),
+        {("safe_fallback", "emergency"), ("fallback_collision", "emergency")}),
     "20 deg aside at 60 m/s": (
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (

@@ -30,8 +30,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "safe_gap_oncoming": ["oncoming"],
         "safe_side": ["beside"],
         "safe_fallback": ["stops too late"],
-        # Nobody stands in the recordings.
-        "fallback_collision": [],
+        "fallback_collision": ["somebody in its way"],
         # What is planned beside others fires where what is so already does; no fact says so of what is planned alone.
         "planned_side": ["beside", "ahead", "touches"],
         "cut_in": ["touches"],
@@ -48,6 +47,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "curvature_integrity": ["curvature"],
         "acceleration_integrity": ["acceleration"],
         "pace_integrity": ["time"],
+        "turn_integrity": ["headings turn"],
         "path_integrity": ["path turns"],
         "corner_integrity": ["path turns"],
         # Of the forces of a step, those along it and those across.

@@ -13,6 +13,8 @@ from support.dense.recording import Columns, Cycle, Recording
 SLACK = 0.01
 #: The same of a way along a candidate's path, which is beside the middle of the road and bends otherwise.
 ALONG = 1.0
+#: The longest step of a planner: rules look at whole steps.
+STEP = 2.6
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,10 @@ def facts(
                 gaps, way = traffic.gaps(lane, cycle, car, rss.Response()), traffic.way_left(cycle, candidate)
                 certain |= {"stops too late" for gap in gaps if traffic.reached(gap, way, -ALONG)}
                 possible |= {"stops too late" for gap in gaps if traffic.reached(gap, way, ALONG)}
+                if traffic.in_its_way(cycle, candidate, gaps, car, -ALONG):
+                    certain.add("somebody in its way")
+                if traffic.in_its_way(cycle, candidate, gaps, car, STEP):
+                    possible.add("somebody in its way")
             possible |= _true(place.astray(cycle, candidate, near or place.Near()))
             result[cycle.index, name] = Facts(frozenset(certain), frozenset(certain | possible))
     return result

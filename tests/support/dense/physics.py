@@ -34,6 +34,7 @@ def between(columns: Columns, car: Car) -> dict[str, bool]:
         "brakes": bool((a < -car.brakes).any()),
         "speed jumps": bool((needed > most).any()),
         "path turns": bool((_swings(columns) > car.grip).any()),
+        "headings turn": bool((_bends(columns) * car.radius > 1.0).any()),
     }
 
 
@@ -49,6 +50,12 @@ def _swings(columns: Columns) -> Floats:
     return np.asarray(
         np.square(columns["v"][1:-1]) * np.abs(curve.turned(np.diff(bearing))) * 2.0 / (way[1:] + way[:-1])
     )
+
+
+def _bends(columns: Columns) -> Floats:
+    """Curvature of each step as its headings say, 1/m; a centimetre counts, as above."""
+    way = np.maximum(curve.chords(columns), 0.01)
+    return np.asarray(np.abs(curve.turned(np.diff(columns["heading"]))) / way)
 
 
 def _exceeded(v: Floats, a: Floats, kappa: Floats, car: Car) -> dict[str, bool]:

@@ -177,6 +177,31 @@ def reached(gap: Gaps, way: float, slack: float) -> bool:
     return not gap.behind and gap.across <= gap.needed_across + slack and gap.along + gap.room <= way + slack
 
 
+def in_its_way(cycle: Cycle, columns: Columns, gaps: Sequence[Gaps], car: Car, slack: float) -> bool:
+    """Whether a candidate leads over where another car is now, with more of its way to its rest left than that one goes on, braking; slack in m.
+
+    Looked at every 0.1 m of the way, on straight steps. Who is behind and drives answers for what happens.
+    """
+    chords = curve.chords(columns)
+    ends = np.concatenate([[0.0], np.cumsum(chords)])
+    if ends[-1] <= curve.SAME:
+        return False
+    going = np.concatenate([[True], chords > 0.0])
+    s = np.linspace(0.0, ends[-1], max(2, int(ends[-1] / 0.1) + 1))
+    x, y, heading = (
+        np.interp(s, ends[going], column[going])
+        for column in (columns["x"], columns["y"], np.unwrap(columns["heading"]))
+    )
+    bodies = shapely.polygons(corners(x, y, heading, car.length + slack / 50, car.width + slack / 50))
+    for body, gap in zip(cycle.objects, gaps, strict=True):
+        if gap.behind and abs(body["v"]) > 0.5:
+            continue
+        meant = ends[-1] - s >= max(0.0, gap.room) - slack
+        if shapely.intersects(bodies[meant], box(body, body["length"], body["width"])).any():
+            return True
+    return False
+
+
 def _reach(length: float, width: float, angle: float) -> float:
     """Half of what a rectangle takes up in a direction."""
     return float(abs(np.cos(angle)) * length + abs(np.sin(angle)) * width) / 2.0
