@@ -710,6 +710,7 @@ class Writer:
                     if owners:
                         self.of(owners[together[0][0]])
                     inner = self._where([node for _, node in together], scope)
+                    self._nested(together, inner, owners)
                     for place, node in together:
                         if owners:
                             self.of(owners[place])
@@ -722,10 +723,10 @@ class Writer:
     def _together(self, some: Sequence[tuple[int, ir.Quantify]]) -> list[list[tuple[int, ir.Quantify]]]:
         """Quantifiers in their order, those that ask something of the same elements beside the first of them."""
         found: list[list[tuple[int, ir.Quantify]]] = []
-        asking: dict[ir.Formula, list[tuple[int, ir.Quantify]]] = {}
+        asking: dict[ir.Formula | None, list[tuple[int, ir.Quantify]]] = {}
         for each in some:
             guard = each[1].guard
-            if guard is None or _is_true(each[1].body):
+            if _is_true(each[1].body):
                 found.append([each])
             elif guard in asking:
                 asking[guard].append(each)
@@ -733,12 +734,24 @@ class Writer:
                 found.append(asking.setdefault(guard, [each]))
         return found
 
+    def _nested(
+        self, together: Sequence[tuple[int, ir.Quantify]], inner: c.Scope, owners: Sequence[RuleInfo]
+    ) -> None:
+        """Quantifiers right within some, over one axis, in one loop: whether a rule holds, and whether it applies."""
+        bodies = [(place, node.body) for place, node in together if isinstance(node.body, ir.Quantify)]
+        for axis in dict.fromkeys(body.axis for _, body in bodies):
+            same = [(place, body) for place, body in bodies if body.axis is axis]
+            if len(same) > 1 and all(self._home(body, inner) is inner for _, body in same):
+                made = [body for _, body in same]
+                whose = [owners[place] for place, _ in same] if owners else ()
+                inner.known.update(zip(made, self.quantify(made, inner, whose)))
+
     def _where(self, nodes: Sequence[ir.Quantify], scope: c.Scope) -> c.Scope:
         """The scope for what some quantifiers ask of elements in range: an `if` of its own where anything is computed that nobody else reads."""
         guard, own = nodes[0].guard, self.usage.only_in([node.body for node in nodes])
         if guard is None or not any(isinstance(node, _WORTH) for node in own):
             return scope
-        if any(isinstance(node, _EVERY_CYCLE) for node in own):
+        if any(isinstance(node, EVERY_CYCLE) for node in own):
             return scope
         condition = self.over("may_hold", self.formula(guard, scope, "guard", named=True))
         inner = scope.open(lambda body: c.If(condition, body))
@@ -841,6 +854,6 @@ def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
 #: What is not computed where it is not needed.
 _WORTH = (ir.Arith, ir.Func, ir.Lookup, ir.GridLookup, ir.Along, ir.OnLane, ir.Fold, ir.Quantify, ir.SweptInside, ir.SweptClear, ir.InArea)  # fmt: skip
 #: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
-_EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
+EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.
 _TAKEN = RESERVED | {"context", "in", "out", "monitor", "known"}

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.expressions import EVERY_CYCLE, Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, written
 from trackmarshal.backends.c.over_run.future import is_ahead
@@ -146,16 +146,37 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, in
     formula, active = rule.formula, rule.active
     assert formula is not None
     writer = Writer(plan, [rule], known, [formula], [] if active is None else [active])
-    holds, applies = _value(writer)
-    if known:
-        writer.add(writer.root, c.Return(_concluded(writer, rule, writer.name("out"), applies, holds)))
-    else:
-        writer.add(writer.root, c.Evaluate(writer.over("conclude", writer.name("out"), applies, holds)))
+    _unless_asked(writer, rule)
+    for said in _said(writer, rule, *_value(writer)):
+        writer.add(writer.root, said)
     body, series = finished(writer)
     name = f"tm_rule_{plan.rule_names[rule.name]}"
     suffix, result = ("known", "bool") if known else ("any", "void")
     made = c.Function((_SAID[known],), result, f"{name}_{suffix}", PARAMETERS, body)
     return made, series, frozenset(writer.libm)
+
+
+def _said(writer: Writer, rule: RuleInfo, holds: c.Expr, applies: c.Expr) -> tuple[c.Statement, ...]:
+    """What a rule says, at the end of its function."""
+    if writer.known:
+        return (c.Return(_concluded(writer, rule, writer.name("out"), applies, holds)),)
+    return (c.Evaluate(writer.over("conclude", writer.name("out"), applies, holds)),)
+
+
+def _unless_asked(writer: Writer, rule: RuleInfo) -> None:
+    """Before all else of a rule with a `whenever`: where that does not hold, the rest is not worked out.
+
+    Unless it has to be in every cycle: what is remembered over the run, and series of timelines.
+    """
+    formula, root = writer.formulas[0], writer.root
+    if not isinstance(formula, ir.Guarded) or remembers(rule):
+        return
+    if any(isinstance(node, EVERY_CYCLE) for each in roots(rule) for node in ir.below(each)):
+        return
+    guard = writer.formula(formula.guard, root, "guard", named=True)
+    inactive = _said(writer, rule, writer.over("whenever", guard, writer.over("true")), guard)
+    ended = inactive if writer.known else (*inactive, c.Return())
+    writer.add(root, c.If(c.Unary("!", writer.over("may_hold", guard)), ended))
 
 
 def _concluded(writer: Writer, rule: RuleInfo, out: c.Expr, applies: c.Expr, holds: c.Expr) -> c.Expr:
