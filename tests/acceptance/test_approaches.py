@@ -75,7 +75,8 @@ def objects(s: float, v: float) -> dict[str, NDArray[np.float64]]:
     place = line().at(s)
     given = {name: float(place[name]) for name in ("x", "y", "heading")}
     return {
-        name: np.array([value]) for name, value in (given | {"v": v, "length": LENGTH, "width": WIDTH}).items()
+        name: np.array([value])
+        for name, value in (given | {"v": v, "length": LENGTH, "width": WIDTH}).items()
     }
 
 

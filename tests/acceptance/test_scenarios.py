@@ -78,7 +78,7 @@ def test_inside_the_ground_truth(path: Path) -> None:
     [
         (
             "cut_in.tmrec.jsonl",
-            ("safe_gap", "safe_side", "rss_eq1", "safe_fallback", "planned_side"),
+            ("safe_gap", "safe_side", "rss_eq1", "safe_fallback", "fallback_collision", "planned_side"),
             (11.6, 12.1),
         ),
         (
@@ -100,7 +100,7 @@ def test_inside_the_ground_truth(path: Path) -> None:
             ("friction", "braking_limit", "speed_integrity", "path_integrity", "corner_integrity"),
             (5.0, 11.5),
         ),
-        ("after_spin.tmrec.jsonl.gz", ("turn_radius",), (1.0, 1.5)),
+        ("after_spin.tmrec.jsonl.gz", ("turn_radius", "turn_integrity"), (1.0, 1.5)),
         ("after_spin.tmrec.jsonl.gz", ("static_collision",), (4.2, 4.7)),
         at_length("late_brakes.tmrec.jsonl.gz", ("takeup_friction",), (0.9, 1.3)),
         ("late_brakes.tmrec.jsonl.gz", ("takeup_friction", "takeup_speed"), (0.8, 6.5)),

@@ -274,7 +274,7 @@ class Machinery:
         """A geometric predicate, of which a rule has one: its value is the reference's, at the variables as they are bound here."""
         nodes = [node for node in self.nodes if isinstance(node, kind)]
         assert len(nodes) == 1, "which one is printed here is not known"
-        levels = {node.level: node.signal for node in self.nodes if isinstance(node, ir.Axis)}
+        levels = {node.axis.level for node in self.nodes if isinstance(node, ir.Quantify)}
         bound = dict(enumerate(env.get("", {}).values()))
         assert len(bound) == len(levels)
         value = self.values.truth(cast(ir.Formula, nodes[0]), bound)

@@ -99,6 +99,11 @@ def round_a_bend(columns: Columns, radius: float, middle: float) -> Columns:
     }  # fmt: skip
 
 
+def tightly(columns: Columns, radius: float, said: float) -> Columns:
+    """The same on an arc to the left, of which the column of curvatures says another radius."""
+    return round_a_bend(columns, radius, radius) | {"kappa": np.full(len(columns["s"]), 1 / said)}
+
+
 def bend(middle: float, half: float) -> dict[str, Any]:
     turned = np.linspace(0.0, 2 * np.pi, 200, endpoint=False)
     ring = np.column_stack([np.sin(turned), -np.cos(turned)])
@@ -196,6 +201,9 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "over in front of a car that is twice as fast": (
         made(steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 60.0)]),
         {("cut_in", "driving"), ("cut_in", "emergency")}),
+    "tighter than the steering allows, by what curvatures tolerate": (
+        made(tightly(steady(5.0, 20), 7.5, 11.2), tightly(braking(8.0, 5.0), 7.5, 11.2)),
+        {("turn_integrity", "driving"), ("turn_integrity", "emergency")}),
     "back at 8 m/s": (
         made(standing(2.5), standing(2.5), {"v": -8.0}), {("no_rolling", "driving"), ("no_rolling", "emergency")}),
 }  # fmt: skip

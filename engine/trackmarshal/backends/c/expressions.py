@@ -751,7 +751,7 @@ class Writer:
         guard, own = nodes[0].guard, self.usage.only_in([node.body for node in nodes])
         if guard is None or not any(isinstance(node, _WORTH) for node in own):
             return scope
-        if any(isinstance(node, EVERY_CYCLE) for node in own):
+        if any(isinstance(node, _EVERY_CYCLE) for node in own):
             return scope
         condition = self.over("may_hold", self.formula(guard, scope, "guard", named=True))
         inner = scope.open(lambda body: c.If(condition, body))
@@ -854,6 +854,6 @@ def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
 #: What is not computed where it is not needed.
 _WORTH = (ir.Arith, ir.Func, ir.Lookup, ir.GridLookup, ir.Along, ir.OnLane, ir.Fold, ir.Quantify, ir.SweptInside, ir.SweptClear, ir.InArea)  # fmt: skip
 #: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
-EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
+_EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.
 _TAKEN = RESERVED | {"context", "in", "out", "monitor", "known"}

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.expressions import EVERY_CYCLE, Writer
+from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, written
 from trackmarshal.backends.c.over_run.future import is_ahead
@@ -164,14 +164,9 @@ def _said(writer: Writer, rule: RuleInfo, holds: c.Expr, applies: c.Expr) -> tup
 
 
 def _unless_asked(writer: Writer, rule: RuleInfo) -> None:
-    """Before all else of a rule with a `whenever`: where that does not hold, the rest is not worked out.
-
-    Unless it has to be in every cycle: what is remembered over the run, and series of timelines.
-    """
+    """Before all else of a rule with a `whenever`: where that does not hold, the rest is not worked out. What is remembered is noted elsewhere."""
     formula, root = writer.formulas[0], writer.root
-    if not isinstance(formula, ir.Guarded) or remembers(rule):
-        return
-    if any(isinstance(node, EVERY_CYCLE) for each in roots(rule) for node in ir.below(each)):
+    if not isinstance(formula, ir.Guarded):
         return
     guard = writer.formula(formula.guard, root, "guard", named=True)
     inactive = _said(writer, rule, writer.over("whenever", guard, writer.over("true")), guard)
