@@ -1,4 +1,4 @@
-"""Two cars in one race line, of which the one ahead is slower: whoever falls back as long as the rules let it meets nobody.
+"""Two cars in one race line, of which the one ahead is slower, or comes the wrong way: who falls back as long as the rules let it meets nobody.
 
 All around Berlin's race line, which crosses the road; who is beside whom by offsets from the middle of the road says little there. What happens
 is worked out with shapely, of bodies and places alone.
@@ -88,23 +88,24 @@ def safe(s: float, other: float, v: float) -> bool:
     return judge().case({"signals": signals}).safe
 
 
-def last(start: float, v: float) -> tuple[float, float]:
+def last(start: float, v: float, first: float = FIRST) -> tuple[float, float]:
     """Where both are in the last cycle, of those every 0.1 s, in which the emergency trajectory is safe."""
     for k in range(300):
-        s, other = start + 0.1 * EGO * k, start + FIRST + 0.1 * v * k
+        s, other = start + 0.1 * EGO * k, start + first + 0.1 * v * k
         if not safe(s, other, v):
-            assert k > 0, "it is unsafe from far away"
             return s - 0.1 * EGO, other - 0.1 * v
     raise AssertionError("it is never unsafe")
 
 
-def meet(start: float, other: float, v: float, brakes: float) -> bool:
-    """Whether the emergency trajectory meets the other car, which brakes so hard from when it was seen on."""
-    plan = fallback(start)
-    t = np.arange(0.0, plan["t"][-1] + 0.5, 0.01)
-    braking, driving = np.minimum(t, EGO / BRAKES), np.minimum(t, v / brakes) if brakes > 0.0 else t
+def meet(start: float, other: float, v: float, brakes: float, late: float = 0.0) -> bool:
+    """Whether the emergency trajectory meets the other car, which brakes so hard from so late on, in s."""
+    # Of one that does not brake: until we have stood for half a second, as long as it is for us.
+    t = np.arange(0.0, 12.0 if brakes > 0.0 else EGO / BRAKES + 0.5, 0.01)
+    braking = np.minimum(t, EGO / BRAKES)
+    driving = np.minimum(np.maximum(t - late, 0.0), abs(v) / brakes if brakes > 0.0 else np.inf)
+    way = abs(v) * (np.minimum(t, late) + driving) - brakes * driving**2 / 2
     ours = line().at(start + EGO * braking - BRAKES * braking**2 / 2)
-    theirs = line().at(other + v * driving - brakes * driving**2 / 2)
+    theirs = line().at(other + np.sign(v) * way)
     bodies = (
         shapely.polygons(corners(at["x"], at["y"], at["heading"], LENGTH, WIDTH)) for at in (ours, theirs)
     )
@@ -134,3 +135,14 @@ def test_nobody_is_met_wherever_the_approach_is(every: int, v: float) -> None:
     """And no fallback ends much sooner than it has to: 6 m are a step of it, the body's width in a bend, and what drives on in a cycle."""
     spare = [approach(index, v) + v**2 / 26 - EGO**2 / 2 / BRAKES for index in starts(every)]
     assert max(spare) < 8.0
+
+
+@pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 35.0])
+@pytest.mark.parametrize("every", [SOME, pytest.param(4 * ALL, marks=pytest.mark.acceptance)])
+def test_nobody_is_met_who_comes_the_wrong_way_and_brakes_gently(every: int, v: float) -> None:
+    """As RSS takes it, with 4 m/s^2 after 0.2 s. Of 222 such approaches, 79 ended in contact, each car at up to 15 m/s, while offsets from the middle
+    of the road alone said who is beside whom."""
+    for index in starts(every):
+        # Farther away than it may get, or, across a hairpin, as near as it was at first.
+        s, other = last(float(line().s[index]), -v, 400.0)
+        assert not meet(s, other, -v, 4.0, 0.2), (index, v, other - s - LENGTH)

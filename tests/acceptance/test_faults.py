@@ -52,7 +52,7 @@ def test_there_are_enough_of_all_kinds() -> None:
     # (a trajectory that is planned anew, braking by less or the other way round, is no change of one: tests/unit/test_into_others.py has both;
     # tests/unit/test_further_ways.py those of the last line)
     assert every - rules == {
-        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "race_direction",
+        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "fallback_oncoming", "race_direction",
         "planned_side", "cut_in", "driving_collision", "fallback_brakes", "no_rolling", "step_length", "turn_integrity", "corner_integrity",
     }  # fmt: skip
     doors = {fault for fault, code in FAULTS.items() if code < "D24"}

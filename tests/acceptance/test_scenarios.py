@@ -83,7 +83,7 @@ def test_inside_the_ground_truth(path: Path) -> None:
         ),
         (
             "wrong_way.tmrec.jsonl.gz",
-            ("safe_gap_oncoming", "safe_side", "safe_fallback", "planned_side"),
+            ("safe_gap_oncoming", "safe_side", "safe_fallback", "fallback_oncoming", "planned_side"),
             (6.3, 7.1),
         ),
         ("debris.tmrec.jsonl.gz", ("obstacle_collision",), (4.7, 5.4)),
