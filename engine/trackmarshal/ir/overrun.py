@@ -121,9 +121,11 @@ def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
 
 
 def _free(root: ir.AnyNode) -> set[ir.Axis]:
-    """The axes of variables that are free below a node. What is nearest is looked for along the axis of its own variable."""
+    """The axes of variables that are free below a node. What is nearest is looked for along the axis of its own variable.
+
+    A quantifier binds what is within it and nothing beside it: guards of a state machine may have one of the axis of a rule's own variable.
+    """
     found: set[ir.Axis] = set()
-    bound: set[ir.Axis] = set()
     seen: set[ir.AnyNode] = set()
     stack = [root]
     while stack:
@@ -131,17 +133,15 @@ def _free(root: ir.AnyNode) -> set[ir.Axis]:
         if part in seen:
             continue
         seen.add(part)
-        if isinstance(part, ir.Fold):
-            inner = [each for each in (part.guard, part.body) if each is not None]
-            found |= {axis for each in inner for axis in _free(each)} - {part.axis}
-            stack += [] if part.otherwise is None else [part.otherwise]
+        if isinstance(part, (ir.Fold, ir.Quantify, ir.At)):
+            within = (part.operand,) if isinstance(part, ir.At) else (part.guard, part.body)
+            found |= {axis for each in within if each is not None for axis in _free(each)} - {part.axis}
+            stack += [part.otherwise] if isinstance(part, ir.Fold) and part.otherwise is not None else []
             continue
         if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
-        elif isinstance(part, (ir.Quantify, ir.At)):
-            bound.add(part.axis)
         stack += [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
-    return found - bound
+    return found
 
 
 def ahead(node: ir.Formula) -> int | None:
