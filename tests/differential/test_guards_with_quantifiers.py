@@ -18,7 +18,7 @@ from trackmarshal.evaluation import Evaluator, loads
 SPEC = """module a
 signal objects : set of object {{ x: m, y: m }}
 state m : {{ lo, hi }} for each o in objects starts lo
-  becomes hi from lo when o.x > 2 m and (exists b in objects: b.x > 3 m)
+  becomes hi from lo when o.x * o.x > 4 m^2 and (exists b in objects: b.x > 3 m)
   becomes lo from hi when o.x < 1 m
 {before}rule r "r"
   for all c0 in objects

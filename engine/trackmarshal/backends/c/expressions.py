@@ -351,7 +351,7 @@ class Writer:
             case ir.Scalar():
                 return self.field(node.signal, node.field)
             case ir.Arith() if (
-                node.op == "*" and node.left is node.right and self.usage.readers[node.left] == 2
+                node.op == "*" and node.left is node.right and self.usage.readers.get(node.left) == 2
             ):
                 return self.call("tm_square", self.number(node.left, at, times=2))
             case ir.Arith():
