@@ -257,3 +257,14 @@ def test_names_that_repeat_a_group_are_refused(names: str, repeats: bool, tmp_pa
     assert (
         said == [f"`{names}` repeats a group, so that one long name may be tried in endless ways"] * repeats
     )
+
+
+def test_a_test_that_names_thousands_that_there_are_not_is_told_once(tmp_path: Path) -> None:
+    """Of findings about one thing, each is held against each other one: the gate took minutes."""
+    ids = ", ".join(["S-1-B-1", *(f"S-{n}" for n in range(1000, 5000))])
+    small = report(
+        project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]"), PASSED.format("door", ids)
+    )
+    (found,) = (finding for finding in small.matrix().findings if finding.code == "T336")
+    said = "the test `door` of `tests.test_a` verifies `S-1000`, `S-1001`, `S-1002` and 3997 more, which are no requirements"
+    assert found.message == said

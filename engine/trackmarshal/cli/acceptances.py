@@ -44,9 +44,18 @@ _MOST = 200
 
 def check(root: Path, baseline: str) -> Iterator[Finding]:
     """T380 and T381 for the baseline of a project, whose path is relative to its folder. Nothing where there is no baseline: that is told elsewhere."""
-    if (root / baseline).is_file():
-        found = list(_along(root, baseline))
-        yield from found or _merged(root, baseline)
+    from trackmarshal.trace.findings import Place, error
+
+    if not (root / baseline).is_file():
+        return
+    within = [root / baseline, *(root / one for one in Path(baseline).parents if str(one) != ".")]
+    links = [path.relative_to(root).as_posix() for path in within if path.is_symlink()]
+    if links:
+        message = f"who accepted the baseline cannot be told: `{links[0]}` is a link, and git has another file"
+        yield error("T380", message, Place(baseline), "put what it leads to in its place")
+        return
+    found = list(_along(root, baseline))
+    yield from found or _merged(root, baseline)
 
 
 def _merged(root: Path, baseline: str) -> Iterator[Finding]:
@@ -314,10 +323,13 @@ def _rewritten(before: Baseline, after: Baseline) -> str | None:
 
 def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change | None:
     """The first change by which something is less and that no acceptance by name tells."""
-    named = [said for one in accepted if one.by and one.reason for said in one.weaker]
+    from trackmarshal.trace.sections import lettered
+
+    proper = [one for one in accepted if lettered(one.by) and lettered(one.reason)]
+    named = [said for one in proper for said in one.weaker]
     for change in found:
         # What nobody was asked for once, somebody has accepted who gave a name to something.
-        by_somebody = change.unasked and any(one.by and one.reason for one in accepted)
+        by_somebody = change.unasked and bool(proper)
         if (
             change.weaker
             and not by_somebody

@@ -11,6 +11,7 @@ import yaml
 
 from support.planted.edits import (
     BASELINE,
+    TODAY,
     Edit,
     Fault,
     Harmless,
@@ -29,6 +30,7 @@ from support.planted.edits import (
     swap,
 )
 from support.planted.evidence import REPORT, REPORTED, ran
+from support.project import command
 
 R, V, H, D, A = (
     f"requirements/{name}.yaml" for name in ("requirements", "v-model", "hazards", "design", "assurance")
@@ -80,6 +82,11 @@ def _also(old: str, method: str, id_: str) -> Fault:
     """One more method under `verification`, which nothing answers."""
     edit = swap(R, f"verification: [{old}]", f"verification: [{old}, {method}]")
     return Fault(f"{method} that nothing answers", edit, "T255", f"{id_}:{method}")
+
+
+def _answers_doors(held: dict[str, Any]) -> None:
+    """That the planner's page is about doors, too, is in the baseline already."""
+    held["content"]["evidence docs/planner.md at S-2-A"]["requirements"] = ["S-31", "S-5"]
 
 
 def _anew(root: Path) -> None:
@@ -142,12 +149,26 @@ def _as_a_link(root: Path) -> None:
     all_of(git("add", "."), git("commit", "--amend", "-qm", "The shuttle"))(root)
 
 
+def _linked_from_the_start(root: Path) -> None:
+    """The baseline as a link to a file beside it, from the first commit on."""
+    (root / BASELINE).rename(root / "requirements" / "accepted.json")
+    (root / BASELINE).symlink_to("accepted.json")
+    all_of(git("add", "."), git("commit", "--amend", "-qm", "The shuttle"))(root)
+
+
+def _by_what_nobody_sees(root: Path) -> None:
+    """An acceptance by a space of no width, which is none."""
+    who = ("--by", "\u200b", "--reason", "\u3164.", "--day", TODAY.isoformat())
+    assert command(root, "trace", "--accept-baseline", *who)[0] == 2
+
+
 def _cut_off(root: Path) -> None:
     """A history of one commit, as a file on this machine says."""
     head = run_git(root, "rev-parse", "HEAD")
     put(".git/info/grafts", head.encode())(root)
 
 
+_ANALYSIS = swap(R, "verification: [test, fault injection]\n    metrics: [braking]", "verification: [test, fault injection, analysis]\n    metrics: [braking]")  # fmt: skip
 _STRUCK = cut(R, "  - id: S-9\n", "")
 _STRUCK_BY_HAND = all_of(
     _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True), committed("tidy")
@@ -177,6 +198,12 @@ _SHARED = put("docs/independence.md", b"# Independence\n\nPlanner and supervisor
 
 # fmt: off
 FAULTS = [
+    Fault("one requirement more of a page that answers a method", all_of(_ANALYSIS, swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-2], methods")), "T373", "docs/planner.md at S-2-A"),
+    Fault("one requirement more of an analysis", all_of(_ANALYSIS, swap(A, "of: [S-3]", "of: [S-3, S-2]")), "T373", "AN-1"),
+    Fault("accepted by a name that nobody sees", all_of(_STRUCK, _by_what_nobody_sees), "T223", "S-9"),
+    Fault("found open after it was accepted", all_of(agreed(_REVIEWED), swap(A, "works:\n", f"{REVIEW.replace('RV-2', 'RV-5').replace('2026-05-01', '2026-05-02').replace('accepted', 'open')}works:\n")), "T382", "S-1"),
+    Fault("a review before what it is of was made", swap(A, "works:\n", f"{ANALYSED.replace('2026-05-01', '2026-01-01')}works:\n"), "T165", "RV-3"),
+    Fault("a baseline that is a link from the first commit", _linked_from_the_start, "T380", rerun=True),
     # methods: each kind that comes with the program
     _also("test, scenario", "review", "S-1"),
     _also("test, scenario", "analysis", "S-1"),
@@ -231,7 +258,7 @@ FAULTS = [
     Fault("a method of another name", swap(R, "verification: [test, scenario]", "verification: [test, scenarios]"), "T123"),
     # reviews: the list is closed
     Fault("a hazard that nobody reviewed", swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), "T382", "HZ-2"),
-    Fault("a requirement that nobody reviewed", all_of(put("requirements/doors.yaml", DOORS.encode()), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods")), "T382", "S-5"),
+    Fault("a requirement that nobody reviewed", all_of(put("requirements/doors.yaml", DOORS.encode()), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods"), accepted(_answers_doors, rehash=True)), "T382", "S-5"),
     Fault("a goal that nobody reviewed", all_of(swap(R, "derived_from: [SH-RO]\n    achieves: [SG-1]", "derived_from: [SH-RO]\n    achieves: [SG-1, SG-2]"), add(H, "  - {id: SG-2, title: Slowly, statement: The shuttle shall not hit anybody hard., prevents: [HZ-1], asil: C, safe_state: at rest, tolerance: 1 s}\n")), "T382", "SG-2"),
     Fault("an analysis that nobody reviewed", swap(A, "reviews:\n", "  - {id: AN-2, title: Braking, method: timing, of: [S-2], by: [P-2], made: 2026-02-11}\nreviews:\n"), "T382", "AN-2"),
     Fault("the text of what was reviewed", swap(R, "keep enough room to stop behind", "keep some metres behind"), "T225", "S-3"),

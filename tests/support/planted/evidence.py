@@ -89,6 +89,27 @@ def _permit(value: str) -> Edit:
     return put("conf/permit.spec", f"module permit\n\n{said}".encode())
 
 
+#: A second recording of the planner in a hurry.
+AGAIN = "specs/scenarios/again.tmrec.jsonl"
+
+
+def _hurry_again(root: Path) -> None:
+    (root / AGAIN).write_text(
+        (root / HURRY).read_text("utf-8").replace('"name":"hurry"', '"name":"again"', 1), "utf-8"
+    )
+
+
+#: A spec of its own for a rule, and one that uses all.
+_SPLIT = all_of(
+    swap(V, "default_spec: specs", "default_spec: specs/whole.spec"),
+    put("specs/whole.spec", b"module whole\n\nuse rules\nuse doors\n"),
+    put("specs/doors.spec",
+        b"module doors\n\nuse signals\n\n"
+        b'rule no_reverse "Not backwards"\n  satisfies S-2\n  for all   p in plan\n  require   p.v >= 0 m/s\n\n'
+        b'test no_reverse "at rest"\n  given  plan = { v: [0 m/s, 0 m/s] }\n  expect satisfied, margin 0 m/s\n\n'
+        b'test no_reverse "on"\n  given  plan = line(v: 3 m/s)\n  expect satisfied\n\n'
+        b'test no_reverse "back"\n  given  plan = { v: [1 m/s, -1 m/s] }\n  expect violated\n'),
+)  # fmt: skip
 SCENARIO = "A planner in a hurry, stage: S-4-A, expect: ground_truth, origin: synthetic}"
 DRIVE = "A calm drive, stage: S-4-B, expect: no_fire, origin: synthetic, requirements: [S-1]}"
 
@@ -267,6 +288,9 @@ FAULTS = [
     Fault("an argument in a comment that nobody sees", agreed(put("docs/independence.md", b"<!-- They do not\nfail together. -->\n")), "T250", "docs/independence.md"),
     Fault("evidence of an assumption that is empty", agreed(put("docs/sensors.md", b" \n")), "T252", "A-SEEN"),
     Fault("a section of the design in a comment", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\n<!-- to be written -->\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),
+    Fault("a section of the design that is to do", agreed(all_of(put("docs/design.md", b"# Design\n\nIt plans.\n\n## S-31\n\nTODO\n"), swap("requirements/design.yaml", "{id: DE-2,", "{id: DE-2, document: docs/design.md,"), swap(V, "counts: [document]", "counts: [document, design]"))), "T230", "S-31"),
+    Fault("a run that fires by a rule of another requirement", all_of(swap(V, "  - {stage: S-4-A, requirements: [S-1]}\n", "  - {stage: S-4-A, requirements: [S-1, S-32]}\n"), _hurry_again, swap(V, "    - {path: specs/scenarios/calm", f"    - {{path: {AGAIN}, title: B, stage: S-4-A, expect: fire, by: [speed_limit], origin: synthetic}}\n    - {{path: specs/scenarios/calm")), "T230", "S-32"),
+    Fault("a rule taken out of the spec that scenarios are replayed with", all_of(agreed(_SPLIT), put("specs/whole.spec", b"module whole\n\nuse rules\n")), "T375", "specs/scenarios/calm.tmrec.jsonl"),
     # results, edited by hand
     Fault("a result of a test edited", entry("test", "braking: harder", _of("result", "message", to="all is well"), rehash=False), "T293", "braking: harder"),
     Fault("a result of a run edited", entry("run", HURRY, _of("result", "fired", to=False), rehash=False), "T293", HURRY),

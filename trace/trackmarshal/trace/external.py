@@ -184,12 +184,19 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
     unnamed: dict[str, list[External]] = {}
     for external in tests:
         test = external.test
-        for id_ in test.requirements:
-            requirement = project.by_id.get(id_)
-            if requirement is None or not requirement.demanded:
-                why = "which is no requirement" if requirement is None else "which is demanded no longer"
-                message = f"the test `{test.name}` of `{test.suite}` verifies `{id_}`, {why}"
-                help_ = did_you_mean(id_, project.by_id) if requirement is None else ""
+        unknown = [id_ for id_ in test.requirements if id_ not in project.by_id]
+        obsolete = [
+            id_ for id_ in test.requirements if id_ in project.by_id and not project.by_id[id_].demanded
+        ]
+        for ids, why, plural in (
+            (unknown, "which is no requirement", "which are no requirements"),
+            (obsolete, "which is demanded no longer", "which are demanded no longer"),
+        ):
+            if ids:  # a report may name thousands
+                more = f" and {len(ids) - 3} more" if len(ids) > 3 else ""
+                said = f"{', '.join(f'`{id_}`' for id_ in ids[:3])}{more}, {plural if ids[1:] else why}"
+                message = f"the test `{test.name}` of `{test.suite}` verifies {said}"
+                help_ = did_you_mean(ids[0], project.by_id) if ids is unknown else ""
                 yield error("T336", message, external.place, help_, test.name)
         status, detail = verdict(test)
         if not test.requirements:

@@ -54,6 +54,8 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
             quiet = _quiet(scenario, run)
             if quiet:
                 return Showing("failed", f"{quiet} did not fire", evaluated, fired)
+            if not fired:
+                return Showing("partial", "fired as expected, but by no rule of this requirement", evaluated)
             return Showing("covered", "fired as expected", evaluated, fired)
         case _:
             raise ValueError(f"unknown expectation {scenario.expect!r}")

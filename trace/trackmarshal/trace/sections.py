@@ -58,13 +58,18 @@ def _legible(character: str) -> bool:
     return character not in _BLANK and unicodedata.category(character)[0] in "LNS"
 
 
+def lettered(text: str) -> bool:
+    """Whether a name or a reason has a letter that anybody sees."""
+    return any(_legible(character) and character.isalpha() for character in text)
+
+
 def _seen(text: str) -> str:
     """A text without comments of HTML; those that no end follows are seen."""
     return _COMMENT.sub("", text)
 
 
 def section(text: str, name: str) -> str | None:
-    """What stands below the first heading that names an id, down to the next heading of its level; None where there is none, or nothing below it.
+    """What stands below the first heading that names an id, down to the next heading of its level; None where there is none, or nothing is said below it.
 
     The id stands in the heading as a word of its own. Headings in code blocks are none, and comments of HTML say nothing.
     """
@@ -78,7 +83,7 @@ def section(text: str, name: str) -> str | None:
         elif depth and named.search(line):
             level = depth
     said = "\n".join(lines).strip()
-    return said or None
+    return None if silent(said.encode(), markdown=True) else said
 
 
 def _headed(text: str) -> Iterator[tuple[int, str]]:

@@ -15,7 +15,7 @@ _FEWER = {
     ("requirement", "derived_from"), ("requirement", "refines"), ("requirement", "verification"), ("requirement", "metrics"),
     ("requirement", "assumptions"), ("interface", "leads_to"), ("interface", "flows"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("project", "denials"), ("stage", "applies_to"),
     ("gate", "requirements"), ("scenario", "by"), ("scenario", "requirements"), ("scenario", "with"), ("evidence", "requirements"),
-    ("rule", "satisfies"), ("assumption", "satisfies"), ("evidence", "methods"), ("report", "methods"),
+    ("rule", "satisfies"), ("assumption", "satisfies"), ("evidence", "methods"), ("report", "methods"), ("scenario", "rules"),
 }  # fmt: skip
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
@@ -39,6 +39,9 @@ _GATE = "gate "
 _EXCUSES = "it may be missing, and other evidence is not asked for then"
 #: Why methods that a document or a report is said to answer are: no link tells that it does.
 _CLAIMS = "that it is evidence of this kind is for somebody to say"
+#: And one requirement more that an analysis is said to be of: its document may say nothing of it.
+_EXAMINES = "that it is an analysis of that, too, is for somebody to say"
+_EXAMINED = ("analysis", "link examines")
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
@@ -55,7 +58,7 @@ _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
-_NOT_YET = {("method", "title"), ("work", "title")}
+_NOT_YET = {("method", "title"), ("work", "title"), ("scenario", "rules")}
 
 
 #: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
@@ -161,7 +164,13 @@ def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
             weaker = bool(why) or kind in ("waiver", "link-schema", "argument", UNREVIEWED)
             yield Change(kind, name, "", "", "there", weaker, told=why, unasked=bool(why))
         else:
-            yield from _of(kind, name, before[key], now[key], missed)
+            for one in _of(kind, name, before[key], now[key], missed):
+                if (kind, one.field) == ("scenario", "rules"):
+                    # A rule that is gone is told once, and one that came is a rule more wherever it is.
+                    left = set(before[key]["rules"]) - set(now[key].get("rules", ()))
+                    if not any(f"rule {rule}" in now for rule in left):
+                        continue
+                yield one
 
 
 def _narrowed(before: Content, now: Content) -> Iterator[Change]:
@@ -218,8 +227,12 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         elif not _hash(old) and not _hash(new):
             shown = (_text(old), _text(new))
         listed = isinstance(old, list) or isinstance(new, list)
-        added = field == "methods" and bool(set(_elements(new)) - set(_elements(old)))
-        why = _excuses(kind, now, added) if added else ""
+        more = bool(set(_elements(new)) - set(_elements(old)))
+        # To answer the same methods for one requirement more claims as much as to answer one method more.
+        added = more and (field == "methods" or (field == "requirements" and bool(now.get("methods"))))
+        why = (
+            _excuses(kind, now, added) if added else _EXAMINES if more and (kind, field) == _EXAMINED else ""
+        )
         weaker = bool(why) or _weaker(kind, field, old, new)
         told = why or ("there is none any more" if without else "")
         yield Change(kind, name, field, *shown, weaker, listed, told, bool(why))

@@ -48,6 +48,7 @@ _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
     ("rule", "satisfies"): "T227", ("assumption", "satisfies"): "T227",
     ("assumption", "evidence sha256"): "T373", ("analysis", "evidence sha256"): "T373", ("review", "evidence sha256"): "T373",
+    ("analysis", "link examines"): "T373",
 }  # fmt: skip
 
 
@@ -172,7 +173,7 @@ def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[
             one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
-        elif change.field == "replayed with":  # of a configuration that several share
+        elif change.field in ("replayed with", "rules"):  # of a configuration, or a spec, that several share
             one = f"{change.before} {change.after}"
         elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
             one = change.kind

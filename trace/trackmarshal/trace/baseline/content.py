@@ -6,7 +6,7 @@ import hashlib
 import posixpath
 import re
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
@@ -202,6 +202,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
             "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), _OWN_VALUES)) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "rules": _judging(spec.run_inputs[str(s.path)]) if str(s.path) in spec.run_inputs else UNKNOWN,
         }  # fmt: skip
     for e in project.evidence:
         yield (
@@ -223,6 +224,11 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
             "owner": w.owner, "approver": str(w.approver), "granted": w.granted.isoformat(),
             "expires": w.expires.isoformat(),
         }  # fmt: skip
+
+
+def _judging(inputs: Mapping[str, str]) -> list[str]:
+    """The rules that are asked in a run, of what that is made from."""
+    return sorted(name.removeprefix("rule ") for name in inputs if name.startswith("rule "))
 
 
 def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:

@@ -17,6 +17,7 @@ from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content, carried
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
+from trackmarshal.trace.sections import lettered
 
 FORMAT = "trackmarshal-baseline"
 VERSION = 2
@@ -71,7 +72,7 @@ def accept(
         if before is None
         else [str(change) for change in changes(before.content, now, tell) if change.weaker]
     )
-    if weaker and not (by.strip() and reason.strip()):
+    if weaker and not (lettered(by) and lettered(reason)):
         more = f", and {len(weaker) - 1} more" if len(weaker) > 1 else ""
         raise TrackmarshalError(
             "T378", f"less is demanded or shown than was accepted: {weaker[0]}{more}",

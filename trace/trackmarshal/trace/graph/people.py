@@ -31,6 +31,12 @@ def _review(graph: Graph, entry: Entry) -> Iterator[Finding]:
         if link.kind != "reviews" or node is None:
             continue
         owners = {other.target for other in graph.out_of(node.key) if other.kind in ("owned_by", "made_by")}
+        begun = str(node.attributes.get("made", ""))
+        if entry.made is not None and entry.made.isoformat() < begun:
+            message = (
+                f"`{entry.id}` is a review of {entry.made}, and {called(node.key)} was made on {begun} only"
+            )
+            yield error("T165", message, link.place, "correct the day", entry.id)
         for owner in sorted(owners & readers):
             message = f"`{entry.id}` is a review of {called(node.key)} by {called(owner)}, who answers for it"
             yield error("T166", message, link.place, "a second person reviews", entry.id)

@@ -25,12 +25,15 @@ def _unreviewed(graph: Graph, asked: Sequence[Reviewed]) -> Iterator[Key]:
 
 
 def _reviewed(graph: Graph, node: Node) -> bool:
-    return any(
-        link.kind == "reviews"
-        and link.state == "covers"
-        and graph.nodes[link.source].attributes.get("outcome") == "accepted"
-        for link in graph.into(node.key)
-    )
+    """Whether the last review of its present version accepted it: who finds it open later, or on the same day, takes that back."""
+    last = {"accepted": "", "open": ""}
+    for link in graph.into(node.key):
+        if link.kind == "reviews" and link.state == "covers":
+            review = graph.nodes[link.source].attributes
+            outcome = str(review.get("outcome"))
+            if outcome in last:
+                last[outcome] = max(last[outcome], str(review.get("made", "")))
+    return last["accepted"] > last["open"]
 
 
 __all__ = ["unreviewed"]
