@@ -51,7 +51,9 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
     within = [root / baseline, *(root / one for one in Path(baseline).parents if str(one) != ".")]
     links = [path.relative_to(root).as_posix() for path in within if path.is_symlink()]
     if links:
-        message = f"who accepted the baseline cannot be told: `{links[0]}` is a link, and git has another file"
+        message = (
+            f"who accepted the baseline cannot be told: `{links[0]}` is a link, and git has another file"
+        )
         yield error("T380", message, Place(baseline), "put what it leads to in its place")
         return
     found = list(_along(root, baseline))
