@@ -30,7 +30,7 @@ def blocks(
         if within is not None and not others:
             found[node] = within
         body = None
-        if isinstance(node, (ir.Quantify, ir.Guarded)) and node.guard is not None:
+        if isinstance(node, (ir.Quantify, ir.Guarded)) and node.guard is not None and not _around(node):
             body = same[node.body]
             asking.setdefault(body, set()).add(found.get(node, node))
         for child in ir.operands(node):
@@ -40,6 +40,12 @@ def blocks(
     for top in found.values():
         sizes[top] = sizes.get(top, 0) + 1
     return {node: top for node, top in found.items() if sizes[top] >= FEW}
+
+
+def _around(node: Guarding) -> bool:
+    """Whether a `whenever` is right around a quantifier that asks of elements: of driving and emergency trajectories in one batch it holds
+    somewhere, and who is meant is mostly nobody."""
+    return isinstance(node, ir.Guarded) and isinstance(node.body, ir.Quantify) and node.body.guard is not None
 
 
 def together(nodes: Sequence[Node], within: Mapping[Node, Guarding]) -> list[Node]:
