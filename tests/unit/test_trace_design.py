@@ -110,3 +110,18 @@ def test_a_section_ends_at_the_next_heading_of_its_level() -> None:
     assert section(text, "R-3") == "three"
     assert section(text, "A") is not None
     assert section(text, "R-4") is None
+
+
+@pytest.mark.parametrize(
+    "body", ["TODO", "**T.B.D.**", "---", "```\n```", "[x]: y", "### R-2", "<!-- to be written -->"]
+)
+def test_a_section_in_which_nothing_is_said_is_none(body: str) -> None:
+    assert section(f"# Design\n\n## R-1\n\n{body}\n\n## R-3\n\nthree\n", "R-1") is None
+
+
+@pytest.mark.parametrize(
+    "body", ["---\n\nIt plans.\n\n---", "### R-2\n\nIt plans.", "```\nplan()\n```", "R", "計画する。"]
+)
+def test_one_in_which_something_is_said_is_one(body: str) -> None:
+    """Between two rules, too, which at the head of a document stand around what programs read."""
+    assert section(f"# Design\n\n## R-1\n\n{body}\n\n## R-3\n\nthree\n", "R-1")

@@ -203,6 +203,7 @@ FAULTS = [
     Fault("accepted by a name that nobody sees", all_of(_STRUCK, _by_what_nobody_sees), "T223", "S-9"),
     Fault("found open after it was accepted", all_of(agreed(_REVIEWED), swap(A, "works:\n", f"{REVIEW.replace('RV-2', 'RV-5').replace('2026-05-01', '2026-05-02').replace('accepted', 'open')}works:\n")), "T382", "S-1"),
     Fault("a review before what it is of was made", swap(A, "works:\n", f"{ANALYSED.replace('2026-05-01', '2026-01-01')}works:\n"), "T165", "RV-3"),
+    Fault("an analysis made anew since it was reviewed", all_of(agreed(_ANALYSED), agreed(all_of(_SHARED, swap(A, "made: 2026-02-10", "made: 2026-05-20")))), "T167", "RV-3", status=0),
     Fault("a baseline that is a link from the first commit", _linked_from_the_start, "T380", rerun=True),
     # methods: each kind that comes with the program
     _also("test, scenario", "review", "S-1"),

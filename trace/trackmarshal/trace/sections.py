@@ -74,16 +74,18 @@ def section(text: str, name: str) -> str | None:
     The id stands in the heading as a word of its own. Headings in code blocks are none, and comments of HTML say nothing.
     """
     named = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])")
-    level, lines = 0, []
+    level, lines, below = 0, [], [""]
     for depth, line in _headed(_seen(text)):
         if level and 0 < depth <= level:
             break
         if level:
             lines.append(line)
+            below += [] if depth else [line]
         elif depth and named.search(line):
             level = depth
     said = "\n".join(lines).strip()
-    return None if silent(said.encode(), markdown=True) else said
+    # Headings within it say nothing. A line before all: it may begin with a rule and end with one, as what programs read does.
+    return None if silent("\n".join(below).encode(), markdown=True) else said
 
 
 def _headed(text: str) -> Iterator[tuple[int, str]]:

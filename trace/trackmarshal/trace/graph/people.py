@@ -32,7 +32,7 @@ def _review(graph: Graph, entry: Entry) -> Iterator[Finding]:
             continue
         owners = {other.target for other in graph.out_of(node.key) if other.kind in ("owned_by", "made_by")}
         begun = str(node.attributes.get("made", ""))
-        if entry.made is not None and entry.made.isoformat() < begun:
+        if link.state == "covers" and entry.made is not None and entry.made.isoformat() < begun:
             message = (
                 f"`{entry.id}` is a review of {entry.made}, and {called(node.key)} was made on {begun} only"
             )
