@@ -31,6 +31,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "safe_side": ["beside"],
         "safe_fallback": ["stops too late"],
         "fallback_collision": ["somebody in its way"],
+        "fallback_line": ["into a line"],
         # Nobody comes towards the car in the recordings.
         "fallback_oncoming": [],
         # What is planned beside others fires where what is so already does; no fact says so of what is planned alone.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from support.dense import columns, physics, place, rss, sweep, traffic
+from support.dense import columns, in_line, physics, place, rss, sweep, traffic
 from support.dense.car import Car
 from support.dense.recording import Columns, Cycle, Recording
 
@@ -50,6 +50,10 @@ def facts(
                     certain.add("somebody in its way")
                 if traffic.in_its_way(cycle, candidate, gaps, car, STEP):
                     possible.add("somebody in its way")
+                if in_line.meets(lane, cycle, candidate, gaps, car, rss.Response(), -STEP):
+                    certain.add("into a line")
+                if in_line.meets(lane, cycle, candidate, gaps, car, rss.Response(), STEP):
+                    possible.add("into a line")
             possible |= _true(place.astray(cycle, candidate, near or place.Near()))
             result[cycle.index, name] = Facts(frozenset(certain), frozenset(certain | possible))
     return result

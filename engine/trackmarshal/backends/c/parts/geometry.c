@@ -1413,12 +1413,13 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
   if (!line->usable || !tm_usable(x) || !tm_usable(y)) {
     return tm_nowhere();
   }
+  const bool zero = (x == 0.0) || (y == 0.0); /* both zeros are equal, yet not the same */
   double nearest = TM_INF;
   for (size_t i = 0u; i < 8u; ++i) { /* what was near in the last cycle is where the search begins in this one */
     const tm_projected *recent = &line->recent[i];
     const double dx = recent->x - x;
     const double dy = recent->y - y;
-    if ((recent->x == x) && (recent->y == y)) {
+    if ((recent->x == x) && (recent->y == y) && !zero) {
       return recent->at;
     }
     if (((dx * dx) + (dy * dy)) < nearest) {
@@ -1435,13 +1436,11 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     result.station = 0.0;
   }
   result.direction = c->along[k].direction;
-  if ((x != 0.0) && (y != 0.0)) { /* both zeros are equal, yet not the same */
-    line->recent[line->turn].x = x;
-    line->recent[line->turn].y = y;
-    line->recent[line->turn].at = result;
-    line->recent[line->turn].segment = k - line->first;
-    line->turn = (line->turn + 1u) & 7u;
-  }
+  line->recent[line->turn].x = x;
+  line->recent[line->turn].y = y;
+  line->recent[line->turn].at = result;
+  line->recent[line->turn].segment = k - line->first;
+  line->turn = (line->turn + 1u) & 7u;
   return result;
 }
 
