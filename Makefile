@@ -22,7 +22,7 @@ test: $(STAMP)  ## everything that CI runs: what lints and what tests, at the sa
 # What the tests found is in the matrix. The day is that of the commit, so that an old commit's waivers hold as they did then.
 .PHONY: gate
 gate: $(STAMP)
-	$(BIN)/trackmarshal trace --gate --day commit
+	$(BIN)/trackmarshal trace --gate --rerun --day commit
 
 # What tests build with make is not of this one. Asserts as they stand: rewriting those of all tests takes each process longer than to
 # find them; those that fail run again, and say what was compared.

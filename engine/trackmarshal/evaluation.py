@@ -267,6 +267,15 @@ class Evaluator:
         given = {"params": params, "tables": tables, "places": places}
         return WholeRun(self, given, ArraysReader(self.reader).read)
 
+    def refuse_straight(self, frame: Frame) -> None:
+        """Raise TrackmarshalError D211 for a cycle of a run that lacks a curvature which rules follow: cases may, and go straight then, but no cycle
+        is judged otherwise than those before it."""
+        absent = sorted(frame.straight & self._curvatures)
+        if absent:
+            raise TrackmarshalError(
+                "D211", f"`{absent[0][0]}.{absent[0][1]}` is not there, and rules follow it", help="in a run every cycle has it; zeros go straight"
+            )  # fmt: skip
+
     def only(self, names: Sequence[str]) -> Evaluator:
         """Some of the rules, for the frames of all."""
         return Evaluator(self.spec, names, self.asked, self.declared)
@@ -451,8 +460,10 @@ class Run:
         return kind, saving.meaning(program.spec, [rule.name for rule in program.rules], words, more="run")
 
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
-        """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one."""
+        """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one, D211 for a curvature that
+        is not there."""
         program = self._evaluator.program
+        self._evaluator.refuse_straight(frame)
         with self._evaluator.alone:
             self._last = stamp_after(frame, self._last)
             judged = program.judge(self._memory, frame)
@@ -476,6 +487,10 @@ def broken_constraints(spec: Spec, settings: Settings = NO_SETTINGS) -> tuple[st
     values = Reference(spec, Frame(settings=settings))
     broken = []
     for constraint in spec.constraints:
+        if not spec.declares(
+            constraint.formula
+        ):  # that is an error of the spec, and no rule that reads it is evaluated
+            continue
         if values.truth(constraint.formula, {}).verdict != "satisfied":
             because = f": {constraint.because}" if constraint.because else ""
             broken.append(

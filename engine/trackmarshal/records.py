@@ -350,6 +350,8 @@ class RunSummary:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     #: of a run of a real vehicle's log: what the drive was, and how near rules came to firing
     drive: DriveFacts | None = None
+    #: times [s] at which something was unsafe of which no ground truth says what to expect, the first ones
+    unexpected: tuple[float, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         return {
@@ -360,6 +362,7 @@ class RunSummary:
             "uncovered": list(self.uncovered), "inputs": dict(self.inputs), "overrides": list(self.overrides),
             "defaults": dict(self.defaults), "ranges": {name: list(ends) for name, ends in self.ranges.items()},
             **({"drive": self.drive.to_json()} if self.drive is not None else {}),
+            **({"unexpected": list(self.unexpected)} if self.unexpected else {}),
         }  # fmt: skip
 
     @classmethod
@@ -372,6 +375,7 @@ class RunSummary:
             f.flag("fired"), f.text("created"), f.words("made_from"),
             f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"), f.ranges("ranges"),
             DriveFacts.from_json(f.data["drive"]) if "drive" in f.data else None,
+            f.numbers("unexpected"),
         )  # fmt: skip
 
 
@@ -607,6 +611,13 @@ class _Fields:
     def table(self, name: str, default: dict[str, Any] = _REQUIRED) -> dict[str, Any]:
         value: dict[str, Any] = self._get(name, default, dict, "an object")
         return value
+
+    def numbers(self, name: str) -> tuple[float, ...]:
+        """Numbers; none where it is not there."""
+        found = self.array(name)
+        if not all(type(each) in (int, float) for each in found):
+            raise _refused(f"{self.what}: `{name}` must be a list of numbers")
+        return tuple(map(float, found))
 
     def ranges(self, name: str) -> dict[str, tuple[float, float]]:
         """Two numbers by name, the lower one first; none where it is not there."""

@@ -103,6 +103,7 @@ class Frames:
         for cycle in cycles:
             if isinstance(cycle, Frame):
                 try:
+                    self._evaluator.refuse_straight(cycle)
                     self._last = stamp_after(cycle, self._last)
                 except TrackmarshalError as error:
                     cycle = error

@@ -48,7 +48,9 @@ class Fallback:
         self.v, self.brakes = v, v**2 / 2 / self._s[-1]
         self.lasts = v / self.brakes
         x = np.append(np.arange(0.0, end - 0.01, STEP), end)
-        s, y, slope, bend = (np.interp(x, self._x, column) for column in (self._s, self._y, self._slope, bend))
+        s, y, slope, bend = (
+            np.interp(x, self._x, column) for column in (self._s, self._y, self._slope, bend)
+        )
         left = np.sqrt(np.maximum(v**2 - 2 * self.brakes * s, 0.0))
         self.plan = {
             "t": (v - left) / self.brakes, "s": s, "x": x, "y": y, "heading": np.arctan(slope), "kappa": bend / (1.0 + slope**2) ** 1.5, "v": left,
@@ -119,7 +121,9 @@ def test_nobody_is_met_who_keeps_to_his_line(count: int, ways: Any) -> None:
     """But who is behind: the rear vehicle is responsible (A-REAR-VEHICLE)."""
     safe = [each for each, said in zip(made(count), fired(count)) if not said and each[1].x + LENGTH > 0.0]
     assert len(safe) > count / 4
-    met = [(fallback.plan["y"][-1], fallback.v, other) for fallback, other in safe if meet(fallback, other, ways)]
+    met = [
+        (fallback.plan["y"][-1], fallback.v, other) for fallback, other in safe if meet(fallback, other, ways)
+    ]
     assert not met
 
 

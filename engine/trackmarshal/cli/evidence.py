@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from trackmarshal.testing.cases import PreparedTest
     from trackmarshal.testing.run import Outcome
 
+#: So many of the times at which a run was unsafe though nothing said that it may be.
+_FIRST = 10
 #: As long as an evaluator is there.
 _MEANINGS: WeakKeyDictionary[Evaluator, Meaning] = WeakKeyDictionary()
 
@@ -258,6 +260,7 @@ def run_summary(
         outcome.fired,
         now(),
         uncovered=outcome.uncovered,
+        unexpected=outcome.unexpected[:_FIRST],
         inputs=inputs,
         ranges=operating.ranges(outcome.recording, evaluator.spec),
         overrides=tuple(map(str, overrides(outcome.recording, evaluator.spec))),

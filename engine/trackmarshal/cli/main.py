@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import os
+import signal
 import sys
 
 from trackmarshal.errors import TrackmarshalError
@@ -60,12 +61,12 @@ def main(argv: list[str] | None = None) -> int:
         print("interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        # The reader of our output went away; that is its business, not an error.
+        # The reader of our output went away before it was told how this ends: nobody may take that for a pass.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for stream in (sys.stdout, sys.stderr):
             if stream is not None:
                 os.dup2(nowhere, stream.fileno())
-        return OK
+        return 128 + signal.SIGPIPE if hasattr(signal, "SIGPIPE") else FINDINGS
 
 
 def _guarded(arguments: list[str]) -> int:

@@ -92,6 +92,15 @@ def _run(args: argparse.Namespace) -> int:
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
     if args.accept_baseline:
         said = found.facts
+        for wrong in said.findings:
+            if wrong.level == "error" and not wrong.code.startswith(
+                "T"
+            ):  # of the specs: what is left of them demands less
+                raise TrackmarshalError(
+                    wrong.code,
+                    f"the specs have errors, so that no baseline is accepted: {wrong.message}",
+                    help="mend them first; `trackmarshal check` shows where",
+                )
         target, weaker = trace.accept_baseline(
             root, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, by=args.by, reason=args.reason,
             today=today, tell=found.weakening(), engine=tool(),

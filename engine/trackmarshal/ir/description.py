@@ -35,8 +35,14 @@ def _described(root: ir.IR, names: bool) -> str:
             said = {**said, **dict(zip(("op", "left", "right"), node.written))}
         for name in node.compared:
             value = said[name]
-            if name in ("shown", "turned") or (name == "names" and not names):
+            if name == "shown" or (name == "names" and not names):
                 continue  # how a comparison is shown is no part of what a formula means
+            if (
+                name == "turned"
+            ):  # of a comparison it is told by how it is written; of a count, on which side the number stands is what it asks
+                if value and not isinstance(node, ir.Compare):
+                    parts.append("turned")
+                continue
             if isinstance(node, ir.Axis) and name in ("forget", "capacity"):
                 if value:  # most sets remember nothing of what is absent, and say nothing of it
                     parts.append(f"{name} {value}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from trackmarshal.ir.nodes import IR, Axis, Formula
+from trackmarshal.ir.nodes import IR, Axis, Formula, GridLookup, Lookup, Param, below
 from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 from trackmarshal.node import Node
 from trackmarshal.source import Span
@@ -257,3 +257,10 @@ class Spec(Node):
 
     def rule(self, name: str) -> RuleInfo | None:
         return next((rule for rule in self.rules if rule.name == name), None)
+
+    def declares(self, *formulas: Formula) -> bool:
+        """Whether every parameter and table that formulas read is declared; what has an error of its own is not."""
+        nodes = [node for formula in formulas for node in below(formula)]
+        params = {node.name for node in nodes if isinstance(node, Param)}
+        tables = {node.table for node in nodes if isinstance(node, Lookup | GridLookup)}
+        return params <= self.params.keys() and tables <= self.tables.keys()

@@ -91,11 +91,7 @@ class Meaning:
 
 def whole(spec: Spec, rule: RuleInfo) -> bool:
     """Whether everything that a rule reads is declared; what has an error of its own is not."""
-    formulas = [formula for formula in (rule.formula, rule.active) if formula is not None]
-    nodes = [node for formula in formulas for node in ir.below(formula)]
-    params = {node.name for node in nodes if isinstance(node, ir.Param)}
-    tables = {node.table for node in nodes if isinstance(node, ir.Lookup | ir.GridLookup)}
-    return params <= spec.params.keys() and tables <= spec.tables.keys()
+    return spec.declares(*(formula for formula in (rule.formula, rule.active) if formula is not None))
 
 
 def restricted(constraint: ConstraintInfo) -> tuple[str, ...]:

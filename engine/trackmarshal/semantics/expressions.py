@@ -641,6 +641,9 @@ class Expressions:
                     "write a number with a unit of time: how much is remembered is known before the run, and a parameter may be overridden",
                 )
             )
+        if abs(seconds) > NEVER:
+            problem = f"no time is as long as {in_full(seconds, 's')}"
+            self.fail(BadValue(value.span, problem, None, "leave the bound out where it is none"))
         return value, seconds
 
     def axis(
@@ -772,6 +775,8 @@ def names_in(part: Node) -> set[str]:
     return {node.name for node in part.walk() if isinstance(node, ast.Name)}
 
 
+#: No time that anybody means is longer [s]; a thousand times as long, and no evaluator could count in it.
+NEVER = 1e15
 #: How numbers of many are written.
 _FORMS: dict[typed.Folding, str] = {
     "count": "count(o in objects where ...)", "sum": "sum(... for o in objects)",

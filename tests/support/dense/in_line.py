@@ -30,7 +30,8 @@ def meets(
     due = columns["t"] - traffic.at_car(cycle, columns)
     times = np.arange(0.0, due[-1], EVERY)
     x, y, heading = (
-        np.interp(times, due, column) for column in (columns["x"], columns["y"], np.unwrap(columns["heading"]))
+        np.interp(times, due, column)
+        for column in (columns["x"], columns["y"], np.unwrap(columns["heading"]))
     )
     own = shapely.polygons(corners(x, y, heading, car.length + slack / 50, car.width + slack / 50))
     for body, gap in zip(cycle.objects, gaps, strict=True):

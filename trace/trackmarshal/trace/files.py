@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,9 +33,25 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     documents |= {item.evidence for item in items if item.evidence}
     found = {path: sha256(root, path) for path in sorted(paths)}
     found |= {path: _document(root, path) for path in sorted(documents)}
+    about: dict[str, set[str]] = {}
+    for e in project.evidence:
+        about.setdefault(str(e.path), set()).update(map(str, e.requirements))
+    found |= {naming(path): _unnamed(root, path, ids) for path, ids in about.items()}
     if project.case_templates:
         found[str(project.case_templates)] = _folder(root, str(project.case_templates))
     return {**found, **sections.hashes(root, project)}
+
+
+def naming(path: str) -> str:
+    """Where, beside hashes, the ids of the requirements stand that evidence at a path is about and does not name."""
+    return f"{path}: not named"
+
+
+def _unnamed(root: Path, path: str, ids: Iterable[str]) -> str:
+    text = (_bytes(root, path) or b"").decode("utf-8", "replace")
+    return " ".join(
+        id_ for id_ in sorted(ids) if not re.search(rf"(?<![\w-]){re.escape(id_)}(?![\w-])", text)
+    )
 
 
 def _folder(root: Path, folder: str) -> str | None:

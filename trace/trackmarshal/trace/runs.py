@@ -166,6 +166,9 @@ def _against_truth(
             evaluated,
             fired,
         )
+    if run.unexpected:
+        said = f"unsafe at {run.unexpected[0]:g} s, of which no ground truth says what to expect"
+        return Showing("failed", said, evaluated, fired)
     if not run.ground_truth:
         return Showing("missing", "the recording carries no ground truth")
     if not evaluated:

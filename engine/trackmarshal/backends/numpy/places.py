@@ -404,7 +404,7 @@ def _line(batch: Batch, index: int, line: ir.Line) -> geometry.Polyline:
         case "signal":
             points, closed = case.line(line.name, line.field), case.closed.get(line.name, False)
         case "path":
-            columns = case.columns[line.name]
+            columns = batch.own(line.name)[index]
             points = np.stack([columns.column("x"), columns.column("y")], axis=1)
             return geometry.Polyline(points, False)
         case "centre":

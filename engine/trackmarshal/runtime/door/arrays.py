@@ -14,7 +14,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE, Signal
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.cases import CasesReader
-from trackmarshal.runtime.door.columns import ColumnsReader
+from trackmarshal.runtime.door.columns import NAMELESS, ColumnsReader
 from trackmarshal.runtime.door.stacked import Stacked
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
@@ -122,6 +122,7 @@ class Arrays:
             {},
             faults,
             shared.orders,
+            lanes=shared.lanes,
         )
 
     def _shared(self) -> frozenset[str]:
@@ -165,6 +166,8 @@ class ArraysReader:
                 template.columns[name] = columns.read(together.get(name), faults)
         for name, lines in reader.lines.items():
             lines.read(together.get(name), template, faults)
+        for name, lanes in reader.lanes.items():
+            lanes.read(together.get(name), template, faults)
         events: dict[str, NDArray[np.int8]] = {}
         for name in reader.events:
             raw = together.get(name)
@@ -274,6 +277,8 @@ class ArraysReader:
         """Ids of elements, the same in all cases; counted where there are none."""
         counted = tuple(map(str, range(count)))
         if raw is None:
+            if count and self._signals[name].named:
+                faults.append(fault("missing", name, "id", None, NAMELESS))
             return counted
         try:
             found = values.ids(raw)

@@ -25,6 +25,8 @@ from trackmarshal.units import parse_unit
 Ints = NDArray[np.intp]
 
 _ARRAYS, _LISTS = {np.ndarray}, {list}
+#: What is said of elements without ids that rules over the run ask about.
+NAMELESS = "it is not there: rules know elements again by their ids"
 _FLOATS = {float, np.float64}
 
 
@@ -257,8 +259,7 @@ class ColumnsReader:
                 read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         if ids is None and self.signal.named and data.get("id") is None and any(map(_some, data.values())):
-            why = "it is not there: rules know elements again by their ids"
-            faults.append(fault("missing", self.label, "id", None, why))
+            faults.append(fault("missing", self.label, "id", None, NAMELESS))
         lengths = self._lengths(data, read, ids)
         count = self._agree(lengths, faults) if lengths or self.signal.form == SET else 1
         if not count and self.signal.form == TIMELINE:

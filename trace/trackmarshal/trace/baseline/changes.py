@@ -16,10 +16,12 @@ _FEWER = {
     ("requirement", "assumptions"), ("interface", "leads_to"), ("interface", "flows"), ("project", "specs"), ("project", "campaigns"), ("project", "sources"), ("project", "denials"), ("stage", "applies_to"),
     ("gate", "requirements"), ("scenario", "by"), ("scenario", "requirements"), ("scenario", "with"), ("evidence", "requirements"),
     ("rule", "satisfies"), ("assumption", "satisfies"), ("evidence", "methods"), ("report", "methods"), ("scenario", "rules"),
+    ("issue", "leads_to"),
 }  # fmt: skip
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
     ("requirement", "not_verified_by"), ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
+    ("evidence", "unnamed"),
 }  # fmt: skip
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {
@@ -42,6 +44,8 @@ _CLAIMS = "that it is evidence of this kind is for somebody to say"
 #: And one requirement more that an analysis is said to be of: its document may say nothing of it.
 _EXAMINES = "that it is an analysis of that, too, is for somebody to say"
 _EXAMINED = ("analysis", "link examines")
+#: And a page that is said to be evidence of what it does not name.
+_UNNAMED = "that a page that does not name it is evidence of it is for somebody to say"
 #: Fields that hold all that an entry says.
 SAYING = ("meaning", "says", "text")
 #: What other fields are called.
@@ -51,6 +55,7 @@ _FIELDS = {
     "of versions": "reviewed versions",
     "evidence sha256": "evidence",
     "named": "files that it names",
+    "unnamed": "requirements that its text does not name",
 }
 
 #: Hashes of files. The gate tells what is not there where it is missed.
@@ -58,7 +63,9 @@ _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
-_NOT_YET = {("method", "title"), ("work", "title"), ("scenario", "rules")}
+_NOT_YET = {
+    ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("evidence", "unnamed"),
+}  # fmt: skip
 
 
 #: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
@@ -213,7 +220,9 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         without = field in _FILES and not new
         if old == new or (kind, field) in _SILENT or (without and missed):
             continue
-        if (field.startswith(_REASONS) and not (old and new)) or ((kind, field) in _NOT_YET and not old):
+        if (field.startswith(_REASONS) and not (old and new)) or (
+            (kind, field) in _NOT_YET and field not in before
+        ):
             continue
         if UNKNOWN in (old, new):  # of a revision, whose recordings are not read
             continue
@@ -231,7 +240,13 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         # To answer the same methods for one requirement more claims as much as to answer one method more.
         added = more and (field == "methods" or (field == "requirements" and bool(now.get("methods"))))
         why = (
-            _excuses(kind, now, added) if added else _EXAMINES if more and (kind, field) == _EXAMINED else ""
+            _excuses(kind, now, added)
+            if added
+            else _EXAMINES
+            if more and (kind, field) == _EXAMINED
+            else _UNNAMED
+            if more and (kind, field) == ("evidence", "unnamed")
+            else ""
         )
         weaker = bool(why) or _weaker(kind, field, old, new)
         told = why or ("there is none any more" if without else "")
@@ -242,6 +257,8 @@ def _excuses(kind: str, entry: Entry, methods: bool) -> str:
     """Why evidence that is new, or that answers more `methods`, is less; empty where it is not."""
     if kind == "report" and entry.get("may be missing"):
         return _EXCUSES
+    if kind == "evidence" and not methods and entry.get("unnamed"):
+        return _UNNAMED
     return _CLAIMS if kind in ("evidence", "report") and methods else ""
 
 

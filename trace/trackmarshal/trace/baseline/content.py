@@ -11,7 +11,7 @@ from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
 from trackmarshal.trace import sections
-from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.files import Hashes, naming
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.graph import Graph
@@ -157,7 +157,7 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "leads_to": _list(i.leads_to), "flows": _list(flows), "rationale": _hash(i.rationale) if i.rationale else "",
         }  # fmt: skip
         for issue in i.issues:
-            yield f"issue {issue.id}", {"text": _hash(issue.text)}
+            yield f"issue {issue.id}", {"text": _hash(issue.text), "leads_to": _list(issue.leads_to)}
 
 
 def _held(path: str | None, hashes: Hashes) -> str:
@@ -201,7 +201,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for s in project.scenarios:
         yield f"scenario {s.path}", {
             "stage": str(s.stage), "expect": s.expect, "origin": s.origin, "by": _list(s.by), "requirements": _list(s.requirements),
-            "with": _list(s.specs), "named": spec.run_inputs.get(str(s.path), {}).get("named", ""), "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), _OWN_VALUES)) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
+            "with": _list(s.specs), "named": spec.run_inputs[str(s.path)].get("named", "") if str(s.path) in spec.run_inputs else UNKNOWN, "recording": hashes.get(s.path) or "", "replayed with": _list(replayed.get(str(s.path), _OWN_VALUES)) if str(s.path) in spec.run_inputs else UNKNOWN, "kept run": hashes.get(str(s.kept)) or "" if s.kept else "",
             "rules": _judging(spec.run_inputs[str(s.path)]) if str(s.path) in spec.run_inputs else UNKNOWN,
         }  # fmt: skip
     for e in project.evidence:
@@ -211,6 +211,9 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
                 "requirements": _list(e.requirements),
                 "sha256": hashes.get(e.path) or "",
                 "methods": _list(e.methods),
+                "unnamed": sorted(
+                    {*map(str, e.requirements)} & {*(hashes.get(naming(e.path)) or "").split()}
+                ),
             },
         )
     for _, element, path, requirement in sections.allocated(project):
