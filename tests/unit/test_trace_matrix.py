@@ -177,6 +177,17 @@ def test_a_rule_of_which_no_ground_truth_was_declared_is_named_and_not_covered()
     assert "no ground truth was declared" not in trace.render(matrix, "json")
 
 
+def test_a_run_that_is_unsafe_where_nothing_says_that_it_may_be_is_no_evidence() -> None:
+    """As `replay` and `assess` have it: a run whose input broke the contract is inside any ground truth of rules."""
+    small = Small()
+    unlike = run(small, CUT_IN, unexpected=(1.5, 2.0))
+    assert [each.unexpected for each in unlike if each.scenario == CUT_IN] == [(1.5, 2.0)]
+    assert [type(each).from_json(each.to_json()) for each in unlike] == list(unlike)
+    matrix = build(small, runs=unlike)
+    assert status(matrix, "S-1-A-2", "S-4-A") == "failed"
+    assert "unsafe at 1.5 s, of which no ground truth says what to expect" in trace.render(matrix, "json")
+
+
 def test_a_run_outside_the_truth_of_a_rule_says_which() -> None:
     small = Small()
     truth = TruthFacts(False, ("rated unsafe at 1 s, the ground truth is safe",), ("gap",))

@@ -93,6 +93,7 @@ FAULTS = [
     Fault("an issue made harmless", swap(M, "It is faster than the avenue is laid out for.", "Nothing much happens there."), "T224", "SH-RO.1"),
     Fault("an issue that leads to nothing", swap(M, "leads_to: [S-1]", "leads_to: [S-11]"), "T137", "SH-RO.1"),
     Fault("an issue that leads nowhere", swap(M, "leads_to: [S-1]", "leads_to: []"), "T134", "SH-RO.1"),
+    Fault("issues that lead to each other's requirements", all_of(swap(M, "leads_to: [S-3]", "leads_to: [S-0]"), swap(M, "leads_to: [S-4]", "leads_to: [S-3]"), swap(M, "leads_to: [S-0]", "leads_to: [S-4]")), "T224", "SH-TP.1"),
     Fault("an issue that leads elsewhere", swap(M, "leads_to: [S-4]", "leads_to: [S-2]"), "T135", "S-4"),
     Fault("an unknown rule", swap(R, "metrics: [braking]", "metrics: [breaking]"), "T205", "breaking"),
     Fault("an unknown assumption", swap(R, "assumptions: [A-SEEN]", "assumptions: [A-SENSE]"), "T205", "A-SENSE"),
