@@ -666,7 +666,7 @@ def test_a_reader_that_goes_away(many: Path) -> None:
         process.stdout.close()
         err = process.stderr.read()
         process.wait()
-    assert (process.returncode, err) == (0, b"")
+    assert (process.returncode, err) == (141, b"")
 
 
 def test_a_reader_of_messages_that_goes_away(tmp_path: Path) -> None:
@@ -676,7 +676,7 @@ def test_a_reader_of_messages_that_goes_away(tmp_path: Path) -> None:
         assert process.stdout.readline().startswith(b"error[E")
         process.stdout.close()
         process.wait()
-    assert process.returncode == 0
+    assert process.returncode == 141
 
 
 def test_without_standard_streams(many: Path) -> None:
@@ -746,3 +746,20 @@ def test_a_cycle_without_an_emergency_trajectory_is_not_safe() -> None:
     assert outcome.status == 1
     assert "every trajectory is safe" not in outcome.out
     assert "a candidate is missing at 0 s" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("specs: [specs]", 'specs: ["a\\0b"]'), ("default_spec: specs", 'default_spec: "a\\0b"')],
+)
+def test_a_zero_character_in_a_path_of_the_v_model(key: str, value: str, tmp_path: Path) -> None:
+    subprocess.run([*COMMAND, "init", tmp_path / "car", "--quiet"], check=True)
+    model = tmp_path / "car" / "requirements" / "v-model.yaml"
+    text = model.read_text("utf-8")
+    assert key in text
+    model.write_text(text.replace(key, value), "utf-8")
+    done = subprocess.run(
+        [*COMMAND, "trace", "--gate", "--project", tmp_path / "car"], capture_output=True, check=False
+    )
+    assert done.returncode in (1, 2)
+    assert b"error[E001]" in done.stdout + done.stderr

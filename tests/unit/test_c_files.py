@@ -28,7 +28,7 @@ from trackmarshal.backends.c.report import complexity, libm
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import CHUNK, Evaluator
+from trackmarshal.evaluation import CHUNK, Evaluator, loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -390,3 +390,32 @@ def test_the_emitted_build_file_builds(written: Path, tmp_path: Path) -> None:
         assert done.returncode == 0, done.stdout + done.stderr
         assert "warning" not in done.stderr
     runs_from_cycles(tmp_path / "supervisor_example", written)
+
+
+SAMPLES = """module m
+signal ego : state { x: m, y: m, heading: rad, v: m/s, b: bool }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+param lim : m/s = 3 m/s
+course driven = ego for 1 s then plan
+rule r "r"
+"""
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "rule",
+    [
+        "along driven as c at last\n  require ego.v <= 1 m/s",
+        "along driven as c\n  require ego.v <= 1 m/s",
+        "along plan as c at last\n  require lim > 2 m/s",
+        "along driven as c at last\n  whenever ego.b\n  require ego.v <= 1 m/s",
+    ],
+)
+def test_a_rule_that_does_not_read_its_sample_leaves_nothing_unused(rule: str, tmp_path: Path) -> None:
+    made = loads(f"{SAMPLES}  {rule}\n")
+    code = generate(made, chosen_rules(made, None))
+    (tmp_path / f"{code.name}.h").write_text(code.header)
+    (tmp_path / f"{code.name}.c").write_text(code.source)
+    command = [*(build.compiler() or ()), *STRICT, "-fsyntax-only", f"{code.name}.c"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stderr == ""

@@ -172,7 +172,7 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         made(steady(), late(braking(), 1000.0)), {("time_integrity", "emergency")}),
     "a way to rest that an arc length hides": (
         made(steady(), falling_back(braking(3.0), 60.0), objects=[car(40.0, v=15.0)]),
-        {("safe_fallback", "emergency"), ("fallback_collision", "emergency")}),
+        {("safe_fallback", "emergency"), ("fallback_collision", "emergency"), ("arc_length_integrity", "emergency")}),
     "20 deg aside at 60 m/s": (
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (
@@ -197,7 +197,7 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "over to another car on a wet road": (
         made(wet(steady(30.0, heading=-0.08), 0.2), wet(braking(1.9, 30.0, 110, -0.08), 0.2), {"heading": -0.08},
              [car(1.0, -3.7, 30.0)], track=wide(half=40.0)),
-        {("planned_side", "driving"), ("planned_side", "emergency")}),
+        {("planned_side", "driving"), ("planned_side", "emergency"), ("fallback_line", "emergency")}),
     "over in front of a car that is twice as fast": (
         made(steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 60.0)]),
         {("cut_in", "driving"), ("cut_in", "emergency")}),

@@ -127,7 +127,7 @@ def _state(root: Path, folders: list[str], files: list[str]) -> str:
     for folder in sorted({os.path.dirname(name) for name in files}):
         try:
             take(folder, sorted(os.listdir(root / folder)))
-        except OSError as error:
+        except (OSError, ValueError) as error:
             take(folder, type(error).__name__)
     for folder in folders:
         found, problems = below(root / folder, (".spec", ".yaml", ".yml"))

@@ -100,9 +100,9 @@ class Weakening:
                 "recording": recorded,
                 "engine": tool(),
             }
-            known = self._answers.store.find("comparison", name, inputs)
+            known = self._answers.known("comparison", name, inputs, False)
             if known is not None:
-                self._told[name] = (str(known.result["word"]), str(known.result["said"]))
+                self._told[name] = (str(known["word"]), str(known["said"]))
             else:
                 left[name] = inputs
         if not left:

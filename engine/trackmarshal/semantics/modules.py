@@ -265,8 +265,11 @@ def _modules_below(root: Path, most: int = 2000) -> list[str]:
 
 
 def _real(path: Path) -> Path:
-    """The path without symbolic links; one that leads in a circle stays as it is."""
-    return Path(os.path.realpath(path))
+    """The path without symbolic links; one that leads in a circle stays as it is, and so does one that is none."""
+    try:
+        return Path(os.path.realpath(path))
+    except ValueError:  # of a zero character
+        return path
 
 
 def spec_files(path: Path) -> list[Path]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from support.planted.edits import Fault, add, agreed, all_of, cut, each, gone, moved, put, remade, swap
 
 R, M, V, H, D, A = (
@@ -10,7 +12,14 @@ R, M, V, H, D, A = (
 )
 MORE = "requirements/more.yaml"
 _FAST = "It is faster than the avenue is laid out for., leads_to: [S-1]}"
+
+
 #: A subsystem that meets nothing.
+def _circle(root: Path) -> None:
+    """The planner's page leads to itself."""
+    (root / "docs" / "planner.md").symlink_to("planner.md")
+
+
 _APART = all_of(
     swap(
         M, "interfaces:\n", "  - {id: LA, title: lake, role: environment, description: Water.}\ninterfaces:\n"
@@ -93,6 +102,7 @@ FAULTS = [
     Fault("an issue made harmless", swap(M, "It is faster than the avenue is laid out for.", "Nothing much happens there."), "T224", "SH-RO.1"),
     Fault("an issue that leads to nothing", swap(M, "leads_to: [S-1]", "leads_to: [S-11]"), "T137", "SH-RO.1"),
     Fault("an issue that leads nowhere", swap(M, "leads_to: [S-1]", "leads_to: []"), "T134", "SH-RO.1"),
+    Fault("a page that is a link to itself", all_of(gone("docs/planner.md"), _circle), "T250", "docs/planner.md"),
     Fault("issues that lead to each other's requirements", all_of(swap(M, "leads_to: [S-3]", "leads_to: [S-0]"), swap(M, "leads_to: [S-4]", "leads_to: [S-3]"), swap(M, "leads_to: [S-0]", "leads_to: [S-4]")), "T224", "SH-TP.1"),
     Fault("an issue that leads elsewhere", swap(M, "leads_to: [S-4]", "leads_to: [S-2]"), "T135", "S-4"),
     Fault("an unknown rule", swap(R, "metrics: [braking]", "metrics: [breaking]"), "T205", "breaking"),

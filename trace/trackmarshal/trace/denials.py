@@ -92,7 +92,7 @@ def _text(root: Path, path: str) -> str:
         if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > _MOST:
             return ""
         return read_regular(whole).decode("utf-8")
-    except (OSError, ValueError):
+    except (OSError, ValueError, RuntimeError):
         return ""
 
 

@@ -158,7 +158,7 @@ def _in_project(root: Path, file: str) -> str:
         path = (root / file).resolve()
         inside = bool(file) and path.is_relative_to(root.resolve()) and path.is_file()
         return path.relative_to(root.resolve()).as_posix() if inside else ""
-    except (OSError, ValueError):
+    except (OSError, ValueError, RuntimeError):
         return ""
 
 

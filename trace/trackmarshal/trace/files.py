@@ -108,7 +108,7 @@ def _bytes(root: Path, path: str, outside: bool = False) -> bytes | None:
         whole = (root / path).resolve()
         inside = outside or whole.is_relative_to(root.resolve())
         return whole.read_bytes() if inside and whole.is_file() else None
-    except (OSError, ValueError):
+    except (OSError, ValueError, RuntimeError):  # the last: a link that leads to itself
         return None
 
 

@@ -141,7 +141,7 @@ def _read(root: Path, path: str) -> str:
         if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > LARGEST:
             return ""
         return whole.read_text(encoding="utf-8")
-    except (OSError, ValueError):
+    except (OSError, ValueError, RuntimeError):
         return ""
 
 

@@ -235,6 +235,15 @@ def _outermost(formula: ir.Formula) -> ir.Quantify | None:
     return None
 
 
+def _names(body: Iterable[c.Statement]) -> Iterator[str]:
+    """The names that statements, and those within, read."""
+    for item in body:
+        for expr in c.expressions(item):
+            yield from (each.name for each in c.within(expr) if isinstance(each, c.Name))
+        if isinstance(item, c.For | c.If):
+            yield from _names(item.body)
+
+
 def finished(
     writer: Writer, parameters: tuple[str, ...] = ("context", "in")
 ) -> tuple[tuple[c.Statement, ...], int]:
@@ -247,7 +256,8 @@ def finished(
             *before, last = body
             unknown = c.If(c.Unary("!", c.Name("known")), (c.Return(c.Literal("false")),))
             body = (c.Declare("bool", "known", c.Literal("true"), False), *before, unknown, last)
-    unused = [c.Evaluate(c.Name(name), True) for name in parameters if name not in writer.reads]
+    read = set(_names(body))
+    unused = [c.Evaluate(c.Name(name), True) for name in parameters if name not in read]
     return (*unused, *body), series
 
 
