@@ -93,11 +93,13 @@ class Evaluator:
     """
 
     def __init__(
-        self, spec: Spec, names: Sequence[str] | None = None, backend: str = "numpy",
+        self, spec: Spec, names: Iterable[str] | None = None, backend: str = "numpy",
         declared: Callable[[], frozenset[str]] = frozenset,
     ) -> None:  # fmt: skip
         from trackmarshal.backends.results import chosen_rules
 
+        if names is not None and not isinstance(names, str):
+            names = tuple(names)  # of what can be gone through once, too
         if backend not in BACKENDS:
             help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"
             raise TrackmarshalError("E405", f"there is no backend `{backend!s:.40}`", help=help_)
@@ -236,8 +238,9 @@ class Evaluator:
         with self.alone:
             return Batch(self, ArraysReader(self.reader).read(signals, shared, given), CHUNK)
 
-    def evaluate(self, frames: Sequence[Frame], series: bool = False) -> Iterator[CaseResult]:
+    def evaluate(self, frames: Iterable[Frame], series: bool = False) -> Iterator[CaseResult]:
         """The results of cases, in order, with witnesses."""
+        frames = list(frames)
         for start in range(0, len(frames), CHUNK):
             for judged in self.judge_all(frames[start : start + CHUNK]):
                 for name, rated in judged.rated.items():
@@ -507,7 +510,7 @@ def _say_why(error: TrackmarshalError) -> None:
 
 def load(
     paths: str | Path | Iterable[str | Path],
-    configuration: Iterable[str | Path] = (),
+    configuration: str | Path | Iterable[str | Path] = (),
     shown_from: Path | None = None,
 ) -> Spec:
     """Compile files and folders, with the values of configuration modules put in; raises Diagnostics."""
@@ -517,7 +520,9 @@ def load(
     return configured(compile_paths([Path(path) for path in given], shown_from), configuration, shown_from)
 
 
-def loads(text: str, configuration: Iterable[str | Path] = (), shown_from: Path | None = None) -> Spec:
+def loads(
+    text: str, configuration: str | Path | Iterable[str | Path] = (), shown_from: Path | None = None
+) -> Spec:
     """Compile a spec that is a text, in messages `<text>`, with the values of configuration modules put in; raises Diagnostics.
 
     It uses modules as a file of the current folder would: those below the folder, and those of the prelude.
@@ -529,11 +534,13 @@ def loads(text: str, configuration: Iterable[str | Path] = (), shown_from: Path 
     return configured(compile_text(text, shown_from), configuration, shown_from)
 
 
-def configured(compiled: Compiled, configuration: Iterable[str | Path], shown_from: Path | None) -> Spec:
+def configured(
+    compiled: Compiled, configuration: str | Path | Iterable[str | Path], shown_from: Path | None
+) -> Spec:
     """A compiled spec with the values of configuration modules put in; raises Diagnostics for what is wrong with any of them."""
     compiled.raise_errors()
     spec = compiled.spec
-    for path in configuration:
+    for path in [configuration] if isinstance(configuration, (str, Path)) else configuration:
         spec = configure(spec, _settings(Path(path), shown_from, compiled))
     return spec
 

@@ -66,7 +66,7 @@ def boxed(name: str) -> tuple[Recording, Rulebox]:
 
 
 @pytest.mark.verifies("S-1-B-1")
-@pytest.mark.parametrize(("name", "limits"), shared_out(product(RECORDINGS, ("driven", "open_loop")), 7))
+@pytest.mark.parametrize(("name", "limits"), shared_out(product(RECORDINGS, ("driven", "open_loop")), 12))
 def test_shipped_scenarios(name: str, limits: str) -> None:
     recording, box = boxed(name)
     free = replace(Limits.open_loop(), samples=64, elements=32, border=2048)

@@ -16,7 +16,7 @@ from trackmarshal import __version__
 from trackmarshal.cli import against
 from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.drawn import Drawn
-from trackmarshal.cli.output import count, say, told
+from trackmarshal.cli.output import coloured, count, say, told
 from trackmarshal.cli.project import find_project
 from trackmarshal.cli.shown import Shown, ShownRun, keep, key
 
@@ -120,7 +120,7 @@ def _said(made: Assessment, root: Path) -> list[Diagnostic]:
 
     found = [*made.sources.found, *unknown_requirements(made.sources.compiled, root)]
     if found:
-        print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
+        print(render(found, colour=coloured()), file=sys.stderr)
     return found
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.output import count
+from trackmarshal.cli.output import coloured, count
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
@@ -177,7 +177,7 @@ def print_findings(found: list[Any], format_: str, where: Callable[[str], str] |
         from trackmarshal.diagnostics.text import render
 
         if found:
-            print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
+            print(render(found, colour=coloured()), file=sys.stderr)
     elif format_ == "json":
         from trackmarshal.diagnostics.json import render as render_json
 

@@ -104,11 +104,16 @@ def _in_json(char: str) -> str:
     return json.dumps(char)[1:-1] if _acts(char) else char
 
 
+def coloured() -> bool:
+    """Whether what is said on standard error is read on a terminal; where there is none, nobody reads it."""
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
 def print_problem(error: TrackmarshalError) -> None:
     """An error for a person, on standard error, with its excerpt where there is one."""
     from trackmarshal.diagnostics.text import render
 
-    print(render([error], colour=sys.stderr.isatty()), file=sys.stderr)
+    print(render([error], colour=coloured()), file=sys.stderr)
 
 
 T = TypeVar("T")
@@ -116,7 +121,7 @@ T = TypeVar("T")
 
 def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
     """The items; on a terminal, after a second, with a bar on standard error."""
-    if quiet or not sys.stderr.isatty():
+    if quiet or not coloured():
         yield from items
         return
     start, shown = monotonic(), False

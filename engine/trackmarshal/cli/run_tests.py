@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli import tests_shown
-from trackmarshal.cli.output import say, table
+from trackmarshal.cli.output import coloured, say, table
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
 
@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     tests, found = prepare(compiled)
     found = [*found, *unconstrained(compiled)]
     if found:
-        print(render(found, colour=sys.stderr.isatty()), file=sys.stderr)
+        print(render(found, colour=coloured()), file=sys.stderr)
     distances = _distances(project)
     outcomes = list(run_tests(compiled.spec, tests, distances=distances))
     unmoved = {(o.test.rule.name, o.test.title): o.unmoved for o in outcomes}

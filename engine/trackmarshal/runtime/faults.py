@@ -60,6 +60,11 @@ class Fault:
     index: int | None
     message: str
 
+    @property
+    def name(self) -> str:
+        """What it is called (docs/supervisor.md)."""
+        return name_of(self)
+
     def __str__(self) -> str:
         place = (
             self.signal

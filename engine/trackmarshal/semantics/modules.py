@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import unicodedata
 from collections.abc import Iterable
 from pathlib import Path
 from weakref import WeakValueDictionary
@@ -17,6 +18,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import TEXT, SourceFile, Span, of_text, read
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.keywords import RESERVED
 from trackmarshal.syntax.names import spelled
 from trackmarshal.syntax.trees import parse_kept
 
@@ -161,7 +163,7 @@ class Library:
         broken = _broken(file, tree) if found else {}
         if not names:
             if "module" not in broken.values():
-                hint = f"start it with `module {'NAME' if file.path == TEXT else path.stem}`"
+                hint = f"start it with `module {'NAME' if file.path == TEXT else _as_name(path.stem)}`"
                 self.found.append(ModuleName(top, "the file does not say which module it is", hint))
             name = path.stem
         else:
@@ -262,6 +264,13 @@ def _modules_below(root: Path, most: int = 2000) -> list[str]:
         if most < 0:
             break
     return names
+
+
+def _as_name(stem: str) -> str:
+    """The name of a module that a file's is nearest to."""
+    plain = unicodedata.normalize("NFKD", stem).encode("ascii", "ignore").decode()
+    name = re.sub(r"\W", "_", plain) or "NAME"
+    return f"m_{name}" if name[0].isdigit() or name in RESERVED else name
 
 
 def _real(path: Path) -> Path:

@@ -41,6 +41,10 @@ FOREIGN_WORDS = {
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
 _COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
+#: A unit, or the rest of one, whose last part has a digit.
+_POWER = re.compile(r"/?(?:[A-Za-z]{1,3}[/*·])*([A-Za-z]{1,3})([23])\b")
+#: A number whose digits somebody groups.
+_GROUPED = re.compile(r"[0-9]+(?:['_][0-9]+)+")
 _OWN_SIGNS = frozenset("≤≥≠·²³√∀∃∈∧∨¬→↔−").union(GREEK)
 
 
@@ -53,7 +57,14 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
         or _word(found, line, expected)
         or _structure(found, before, line, expected)
         or _strange(found)
+        or _exponent(text, start)
     )
+
+
+def _exponent(text: str, start: int) -> str:
+    """What to write for a unit with a digit behind it, as `m/s2`."""
+    unit = _POWER.match(text, start)
+    return f"an exponent stands behind `^`: `{unit[1]}^{unit[2]}`" if unit else ""
 
 
 def _misplaced(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
@@ -77,7 +88,10 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
     if found == "=" and text[start + 1 : start + 2] not in "=<>" and "COMPARE" in expected:
         return "write `==` to compare"
     if found[:1] in ("'", "_") and text[max(0, start - 1) : start].isdigit():
-        return "digits of a number stand together: `10000`"
+        begin = re.search(r"[0-9]+\Z", text[:start])
+        grouped = _GROUPED.match(text, begin.start()) if begin else None
+        together = re.sub("['_]", "", grouped[0]) if grouped else "10000"
+        return f"digits of a number stand together: `{together}`"
     if found == "==" and "EQUAL" in expected:
         return "write `=` to name a value; `==` compares"
     if found == "=" and text[max(0, start - 2) : start] == "==":
@@ -155,6 +169,9 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
         return "a range stands in square brackets, `in [a, b]`, and both ends belong to it"
     if found in ("{", "}") and keyword in ("rule", "assume", "state", "test"):
         return "clauses stand without braces"
+    bracketed = re.search(r"([0-9.]+)[ \t]*\Z", before)
+    if found == "[" and bracketed:
+        return f"units stand without brackets: `{bracketed[1]} m/s`"
     if found == "[" and "DOT" in expected:
         return "a column is not indexed: bind its samples with `for all p in plan`"
     if re.search(r"[0-9]\.\s*\Z", before) and expected == {"NAME"}:

@@ -145,9 +145,11 @@ def _read(path: Path, shown: str, tool: str) -> tuple[ExternalTest, ...]:
 
 def _named(test: ExternalTest, pattern: re.Pattern[str]) -> ExternalTest:
     """With the requirements that its name holds: `_` stands there for `-`, which names of functions cannot hold."""
+    called = f"{test.suite}::{test.name}"
     found = (
         (match[1] if pattern.groups and match[1] is not None else match[0]).replace("_", "-")
-        for match in pattern.finditer(f"{test.suite}::{test.name}")
+        for said in (called, called.replace("_", "-"))
+        for match in pattern.finditer(said)
     )
     return replace(test, requirements=tuple(dict.fromkeys((*test.requirements, *filter(None, found)))))
 
