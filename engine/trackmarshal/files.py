@@ -47,6 +47,20 @@ def read_regular(path: Path, most: int = -1) -> bytes:
         return stream.read(most)
 
 
+def write_whole(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all: beside it first, of which nothing is left behind. Raises OSError, with the file's own name."""
+    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        draft.write_bytes(data)
+        draft.replace(path)
+    except BaseException as error:  # also where somebody interrupts
+        with contextlib.suppress(OSError):
+            draft.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
+
+
 def digest(data: bytes) -> str:
     """The sha256 of what a file holds. A text holds the same whichever ends of lines a checkout gave it: they are taken for `\\n`."""
     if b"\r\n" in data and b"\0" not in data:

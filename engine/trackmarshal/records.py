@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular
+from trackmarshal.files import read_regular, write_whole
 from trackmarshal.json_text import named_twice
 
 FORMAT = "trackmarshal-results"
@@ -528,9 +527,7 @@ def save(path: Path, file: ResultsFile) -> None:
     """Write a results file, whole or not at all, creating its folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(file.to_json(), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    draft.write_text(text, encoding="utf-8")
-    draft.replace(path)
+    write_whole(path, text.encode("utf-8"))
 
 
 def load(path: Path, shown: str | None = None) -> ResultsFile:

@@ -32,7 +32,10 @@ def test_names_and_cases_that_can_be_gone_through_once() -> None:
 
 def test_a_fault_says_its_name() -> None:
     said = fault("missing", "ego", "v")
-    assert (said.name, said.code) == ("missing", next(code for code, name in NAMES.items() if name == "missing"))
+    assert (said.name, said.code) == (
+        "missing",
+        next(code for code, name in NAMES.items() if name == "missing"),
+    )
 
 
 @pytest.mark.parametrize("stem", ["speed-limit", "10_yard", "my rules", "ünfall", "rule"])
@@ -48,5 +51,5 @@ def test_the_name_that_is_proposed_for_a_module_is_one(stem: str, tmp_path: Path
 
 
 def test_a_spec_that_is_not_there_is_said(tmp_path: Path) -> None:
-    with pytest.raises(TrackmarshalError, match="E001|No such file"):
+    with pytest.raises(TrackmarshalError, match=r"E001|No such file"):
         load(SUPERVISOR, tmp_path / "none.spec")

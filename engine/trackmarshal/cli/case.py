@@ -11,7 +11,6 @@ it, the HTML is written all the same.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -25,6 +24,7 @@ from trackmarshal.cli.drawing import drawings
 from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import write_whole
 
 if TYPE_CHECKING:
     from trackmarshal.cli.assessment import Assessment
@@ -233,6 +233,4 @@ def _write(folder: Path, made: Mapping[str, bytes]) -> None:
     """Each file whole or not at all."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, data in made.items():
-        draft = folder / f".{name}.{os.getpid()}"
-        draft.write_bytes(data)
-        draft.replace(folder / name)
+        write_whole(folder / name, data)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
+from trackmarshal.files import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,9 +49,7 @@ def run(args: argparse.Namespace) -> int:
         sys.stdout.buffer.write(data)
         return 0
     out = Path(args.out)
-    draft = out.with_name(f".{out.name}.{os.getpid()}")
-    draft.write_bytes(data)
-    draft.replace(out)
+    write_whole(out, data)
     if not args.quiet:
         say(
             f"{args.out}: {sum(len(document.requirements) for document in documents)} requirements",

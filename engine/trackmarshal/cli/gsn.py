@@ -9,7 +9,6 @@ trackmarshal gsn --gate                      exit 1 where it is not well formed,
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import write_whole
 
 if TYPE_CHECKING:
     from trackmarshal.trace.gsn.case import Case, Module
@@ -108,8 +108,6 @@ def _rendered(argument: Case, modules: list[Module], args: argparse.Namespace) -
 def _write(folder: Path, made: dict[str, str], quiet: bool) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in made.items():
-        draft = folder / f".{name}.{os.getpid()}"
-        draft.write_bytes(text.encode("utf-8", "replace"))
-        draft.replace(folder / name)
+        write_whole(folder / name, text.encode("utf-8", "replace"))
     if not quiet:
         say(f"{folder}: {len(made)} {'file' if len(made) == 1 else 'files'}", file=sys.stderr)

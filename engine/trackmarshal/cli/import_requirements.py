@@ -12,6 +12,7 @@ from pathlib import Path
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import write_whole
 from trackmarshal.json_text import named_twice
 from trackmarshal.trace import exchange
 from trackmarshal.trace.exchange import Document, Naming
@@ -102,9 +103,7 @@ def _from(root: Path, target: Path) -> str:
 def _write(target: Path, text: str) -> None:
     """The whole file, or what was there."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    draft.write_text(text, encoding="utf-8", newline="\n")
-    draft.replace(target)
+    write_whole(target, text.encode("utf-8"))
 
 
 def _pairs(given: Iterable[str], option: str) -> dict[str, str]:

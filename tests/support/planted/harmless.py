@@ -105,6 +105,8 @@ EDITS = [
     Harmless("a requirement in a file of its own", all_of(cut(R, "  - id: S-9\n", ""), put("requirements/old.yaml", (
         b"document: requirements\ntitle: Old\nrequirements:\n  - id: S-9\n    title: No overtaking\n    statement: The shuttle shall not overtake.\n    rationale: Once so, not any more.\n"
         b"    adopted: An earlier permit.\n    status: obsolete\n    asil: C\n    verification: [test]\n    source: permit of the campus, issue 1\n")))),
+    Harmless("a page that is evidence in a folder of its own", all_of(moved("docs/planner.md", "docs/plans/planner.md"), swap(V, "path: docs/planner.md", "path: docs/plans/planner.md"))),
+    Harmless("a recording in a folder of its own", all_of(moved("specs/scenarios/hurry.tmrec.jsonl", "specs/drives/hurry.tmrec.jsonl"), swap(V, "path: specs/scenarios/hurry.tmrec.jsonl", "path: specs/drives/hurry.tmrec.jsonl"))),
     Harmless("a page that is no evidence", put("docs/notes.md", b"# Notes\n")),
     Harmless("a spec's file moved, with its name", all_of(moved(B, "specs/books/order.spec"), swap("specs/books/order.spec", "module order", "module books.order"))),
     Harmless("an unrelated rule with its tests", put("specs/doors.spec", (

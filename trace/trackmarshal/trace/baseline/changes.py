@@ -199,19 +199,34 @@ def _turned(pair: str) -> str:
 
 
 def _renamed(before: Content, now: Content) -> set[str]:
-    """Tests that have another title and are otherwise the same, by their titles of before and of now."""
-    new = {
-        (key.partition(": ")[0], str(entry)): key
-        for key, entry in now.items()
-        if key.startswith("test ") and key not in before
-    }
+    """Tests that have another title, and files that are somewhere else, and are otherwise the same: as they were called before and now."""
+    new: dict[tuple[str, ...], str] = {}
+    for key, entry in now.items():
+        said = None if key in before else _but_for_its_name(key, entry)
+        if said is not None:
+            new.setdefault(said, key)
     found = set()
     for key, entry in before.items():
-        if key.startswith("test ") and key not in now:
-            same = new.pop((key.partition(": ")[0], str(entry)), None)
-            if same is not None:
-                found |= {key, same}
+        said = None if key in now else _but_for_its_name(key, entry)
+        same = None if said is None else new.pop(said, None)
+        if same is not None:
+            found |= {key, same}
     return found
+
+
+#: Of kinds of entries that are called by the path of a file, the field that has the hash of what it holds.
+_CALLED_BY_PATH = {"evidence": "sha256", "scenario": "recording", "section": "contents"}
+
+
+def _but_for_its_name(key: str, entry: Entry) -> tuple[str, ...] | None:
+    """What an entry says but for its title, or for where its file is; None where that is no small thing."""
+    kind, _, name = key.partition(" ")
+    if kind == "test":
+        return (kind, name.partition(": ")[0], str(entry))
+    if not entry.get(_CALLED_BY_PATH.get(kind, "")):
+        return None
+    apart = {"evidence": " at ", "section": "#"}.get(kind)
+    return (kind, name.rpartition(apart)[2] if apart else "", str(entry))
 
 
 def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterator[Change]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from dataclasses import asdict, dataclass
 from datetime import date
 from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular
+from trackmarshal.files import read_regular, write_whole
 from trackmarshal.records import strict
 from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content, carried
@@ -88,9 +87,7 @@ def accept(
         "content": now,
         "acceptances": [_record(one) for one in (*done, made)],
     }
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
-    draft.write_text(json.dumps(said, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    draft.replace(path)
+    write_whole(path, (json.dumps(said, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
     return path, weaker
 
 
