@@ -91,9 +91,9 @@ class Code:
         #: What nodes are computed of: asked for at each step below.
         self._made_of = {node: [self._same[child] for child in ir.operands(node)] for node in nodes}
         #: Nodes that are only worked out where a guard holds anywhere, with the formula that has it; and what is written of its block.
-        self._within = blocks(nodes, [*formulas, *ranges], self._same)
+        self._within, self._shared = blocks(nodes, [*formulas, *ranges], self._same)
         self._block: list[str] | None = None
-        nodes = together(nodes, self._within)
+        nodes = together(nodes, self._within, self._shared)
         self._weighed = {self._same[node] for node in _weighed(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([rank, *(axis.level + 2 for axis in axes)])
@@ -114,22 +114,20 @@ class Code:
         self._numbers: dict[ir.IR, str] = {}
         self._names: dict[Any, str] = {}
         self._free: list[str] = []
+        self._made = 0  # variables of numbers
         self._is_fixed: set[ir.IR] = set()
-        last_use = {child: node for node in nodes for child in self._inputs(node)}
-        #: Points that are projected onto each line, with the block that nobody else asks for them from.
-        self._points: dict[ir.Line, dict[Point, Guarding | None]] = {}
+        last_use = {child: place for place, node in enumerate(nodes) for child in self._inputs(node)}
+        #: Points that are projected onto each line, with the blocks that ask for them; none where somebody else does.
+        self._points: dict[ir.Line, dict[Point, frozenset[Guarding]]] = {}
         for node in nodes:
             if isinstance(node, ir.Projected):
-                points, point, within = (
-                    self._points.setdefault(node.line, {}),
-                    self._point(node),
-                    self._within.get(node),
-                )
-                points[point] = within if points.get(point, within) is within else None
-        for node in nodes:
+                points, point, tops = self._points.setdefault(node.line, {}), self._point(node), self._tops(node)
+                before = points.get(point, tops)
+                points[point] = before | tops if before and tops else frozenset()
+        for place, node in enumerate(nodes):
             self._emit(node)
             for child in self._inputs(node):
-                if last_use[child] is node:
+                if last_use[child] == place:
                     self._release(child)
         self.formulas |= {
             node: self.formulas[one] for node, one in self._same.items() if one in self.formulas
@@ -181,7 +179,7 @@ class Code:
             return
         if isinstance(node, steps.INDEPENDENT) and self._is_fixed.issuperset(self._inputs(node)):
             self._is_fixed.add(node)
-        if self._block is None and node in self._within and node not in self._is_fixed:
+        if self._block is None and self._tops(node) and node not in self._is_fixed:
             self._block = []
         if isinstance(node, ir.Num):
             expression = self._number(node)
@@ -198,9 +196,13 @@ class Code:
             made = self.formulas[node] = self._formula(node, len(self.formulas))
             if node in self._is_fixed:
                 self.left.extend(made.names)
-            if self._block is not None and node not in self._within:
+            if self._block is not None and not self._tops(node):
                 assert isinstance(node, (ir.Quantify, ir.Guarded))
                 self._end_block(node, made)
+
+    def _tops(self, node: ir.Num | ir.Formula) -> frozenset[Guarding]:
+        """The formulas in whose blocks a node is worked out; none of one that is worked out whatever holds."""
+        return self._shared.get(node) or (frozenset((self._within[node],)) if node in self._within else frozenset())
 
     def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
         """What a node is computed of."""
@@ -226,13 +228,16 @@ class Code:
     def _new(self, node: ir.IR) -> str:
         if node not in self._is_fixed and self._free:
             return self._free.pop()
-        name = f"x{len(self._numbers)}"
+        name = f"x{self._made}"
+        self._made += 1
         if node in self._is_fixed:
             self.left.append(name)
         return name
 
     def _release(self, node: ir.IR) -> None:
         """Nobody needs a number any more: another may have its variable, and its memory is free then."""
+        if node in self._shared:  # it is let go with each block
+            return
         if node in self._numbers and node not in self._is_fixed and self._numbers[node] not in self._free:
             self._free.append(self._numbers[node])
 
@@ -255,6 +260,14 @@ class Code:
         """Write the block of a formula, or what it comes to where its guard holds nowhere: what it is made of has no value then."""
         assert self._block is not None
         block, self._block = self._block, None
+        for node, tops in self._shared.items():
+            if top in tops and node not in self._is_fixed and node in self._numbers:
+                self._free.append(self._numbers.pop(node))
+        for line, points in self._points.items():
+            for point, tops in points.items():
+                name = self._names.pop(("p", line, point), None) if top in tops and len(tops) > 1 else None
+                if name is not None:  # the next block makes it anew; its name stays taken
+                    self._names["gone", name] = name
         members = [node for node, of in self._within.items() if of is top and node not in self._is_fixed]
         flags = [self._left_out[node] for node in members if node in self._left_out]
         least = [self._least[node] for node in members if node in self._least]
@@ -341,14 +354,14 @@ class Code:
         """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
         point = self._point(node)
         if ("p", node.line, point) not in self._names:
-            within = self._points[node.line][point]
+            tops = self._points[node.line][point]
             plain = [
                 (x, y)
                 for (x, y), of in self._points[node.line].items()
                 if ("p", node.line, (x, y)) not in self._names
                 and isinstance(x, _INPUTS)
                 and isinstance(y, _INPUTS)
-                and of is within is self._within.get(node)
+                and of == tops
             ]
             together = list(dict.fromkeys([point, *plain]))
             points = []
@@ -359,7 +372,7 @@ class Code:
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
             self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
             called = f"project(b, {self._hold(node.line)}, {', '.join(points)})"
-            self._lines(within is not None).append(f"{_tuple(names)} = {called}")
+            self._lines(bool(tops)).append(f"{_tuple(names)} = {called}")
         return self._names["p", node.line, point]
 
     def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
