@@ -8,7 +8,7 @@ from unittest import mock
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from property.test_over_run import EXAMPLES
@@ -267,6 +267,16 @@ _STEPS = st.sampled_from([1, 1, 1, 2, 4])
     st.lists(st.tuples(_EXACT, _EXACT, st.booleans(), _STEPS), min_size=1, max_size=24), st.booleans(), CUTS,
     st.sampled_from([0, 16, 1000]),
 )  # fmt: skip
+@example(
+    "always{1} {0}",
+    "ego.v >= 0 m/s",
+    "ego.v > 0 m/s",
+    (2, 5),
+    [(0.0, 0.0, False, 1)] * 4 + [(0.0, 0.0, False, 4)],
+    False,
+    [],
+    0,
+)
 @settings(max_examples=6 * EXAMPLES, deadline=None)
 def test_an_operator_that_is_the_whole_rule(
     of: str, p: str, q: str, bounds: tuple[int, int], rows: list[Any], even: bool, cuts: list[int], few: int

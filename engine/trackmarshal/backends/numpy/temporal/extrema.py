@@ -95,5 +95,6 @@ def from_begin(rest: Rows, out: Rows, w: Windows) -> None:
         count = max(min(w.asked, w.n - w.begin), 0)
         out[:, :count] = rest[:, w.begin : w.begin + count]
     else:
-        inside = int(np.searchsorted(w.begin, w.n))
-        out[:, :inside] = rest.take(w.begin[:inside], axis=1)
+        begin = w.begin[: w.asked]
+        inside = int(np.searchsorted(begin, w.n))
+        out[:, :inside] = rest.take(begin[:inside], axis=1)
