@@ -121,7 +121,11 @@ class Code:
         self._points: dict[ir.Line, dict[Point, frozenset[Guarding]]] = {}
         for node in nodes:
             if isinstance(node, ir.Projected):
-                points, point, tops = self._points.setdefault(node.line, {}), self._point(node), self._tops(node)
+                points, point, tops = (
+                    self._points.setdefault(node.line, {}),
+                    self._point(node),
+                    self._tops(node),
+                )
                 before = points.get(point, tops)
                 points[point] = before | tops if before and tops else frozenset()
         for place, node in enumerate(nodes):
@@ -202,7 +206,9 @@ class Code:
 
     def _tops(self, node: ir.Num | ir.Formula) -> frozenset[Guarding]:
         """The formulas in whose blocks a node is worked out; none of one that is worked out whatever holds."""
-        return self._shared.get(node) or (frozenset((self._within[node],)) if node in self._within else frozenset())
+        return self._shared.get(node) or (
+            frozenset((self._within[node],)) if node in self._within else frozenset()
+        )
 
     def _inputs(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
         """What a node is computed of."""
