@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -20,3 +21,13 @@ def test_a_command_whose_output_is_cut_off_has_not_passed() -> None:
     finally:
         os.close(writer)
     assert ended.returncode == 141
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there is no shell that closes a stream")
+def test_an_error_that_nobody_can_be_told_of_is_one_all_the_same(tmp_path: Path) -> None:
+    path = tmp_path / "bad.spec"
+    path.write_text('module bad\n\nrule x "y"\n  require a > 0\n', "utf-8")
+    script = f'exec "{sys.executable}" -m trackmarshal check "{path}" 2>&-'
+    ended = subprocess.run(["sh", "-c", script], capture_output=True, check=False, timeout=60)
+    assert ended.returncode == 1
+    assert b"internal error" not in ended.stdout
