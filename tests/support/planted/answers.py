@@ -241,6 +241,7 @@ FAULTS = [
     Fault("one more method of a report that may be missing", all_of(agreed(all_of(REPORTED, ran("fast"))), swap(V, "if_there: true}", "if_there: true, methods: [review]}")), "T373", f"{REPORT} at S-3-B"),
     # evidence of a kind taken away, and what remains when somebody accepted that
     Fault("evidence that is said to be a review", swap(V, "methods: [analysis]", "methods: [analysis, review]"), "T373", "docs/planner.md at S-2-A"),
+    Fault("a page that names what it is evidence of where nobody sees it", all_of(put("docs/brakes.md", b"# Brakes\n\nThey brake.\n\n<!-- S-2 -->\n"), swap(V, "methods: [analysis]}", "methods: [analysis]}\n  - {path: docs/brakes.md, title: Brakes, stage: S-2-B, requirements: [S-2]}")), "T373", "docs/brakes.md at S-2-B"),
     Fault("a page that is evidence of what it does not name", swap(V, "methods: [analysis]}", "methods: [analysis]}\n  - {path: docs/planner.md, title: The same, stage: S-2-B, requirements: [S-2]}"), "T373", "docs/planner.md at S-2-B"),
     Fault("evidence that is said to be a review by a second entry", swap(V, "methods: [analysis]}", "methods: [analysis]}\n  - {path: docs/planner.md, title: The same, stage: S-2-B, requirements: [S-31], methods: [review]}"), "T373", "docs/planner.md at S-2-B"),
     Fault("evidence that is said to be a review, accepted by nobody", all_of(swap(V, "methods: [analysis]", "methods: [analysis, review]"), accepted(_claimed_by_nobody, rehash=True), committed("more")), "T380", rerun=True),

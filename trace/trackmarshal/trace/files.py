@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -49,9 +48,7 @@ def naming(path: str) -> str:
 
 def _unnamed(root: Path, path: str, ids: Iterable[str]) -> str:
     text = (_bytes(root, path) or b"").decode("utf-8", "replace")
-    return " ".join(
-        id_ for id_ in sorted(ids) if not re.search(rf"(?<![\w-]){re.escape(id_)}(?![\w-])", text)
-    )
+    return " ".join(id_ for id_ in sorted(ids) if not sections.names(text, id_))
 
 
 def _folder(root: Path, folder: str) -> str | None:

@@ -68,12 +68,22 @@ def _seen(text: str) -> str:
     return _COMMENT.sub("", text)
 
 
+def _named(name: str) -> re.Pattern[str]:
+    """An id, as a word of its own."""
+    return re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])")
+
+
+def names(text: str, name: str) -> bool:
+    """Whether a page names an id where somebody sees it."""
+    return _named(name).search(_seen(text)) is not None
+
+
 def section(text: str, name: str) -> str | None:
     """What stands below the first heading that names an id, down to the next heading of its level; None where there is none, or nothing is said below it.
 
     The id stands in the heading as a word of its own. Headings in code blocks are none, and comments of HTML say nothing.
     """
-    named = re.compile(rf"(?<![\w-]){re.escape(name)}(?![\w-])")
+    named = _named(name)
     level, lines, below = 0, [], [""]
     for depth, line in _headed(_seen(text)):
         if level and 0 < depth <= level:
