@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 from collections import Counter
@@ -11,10 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+import trackmarshal as tm
 from support.agreement import compiled, read
 from support.cycles import cycle
 from support.supervised import shipped
+from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.reference.evaluator import Env, Reference
+from trackmarshal.evaluation import loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.door.columns import ColumnsReader
@@ -154,3 +159,21 @@ def test_no_grid_is_made_of_what_nobody_looks_for_in_one() -> None:
         assert "cells" not in vars(area._region)
     assert corridor.margin_inside(5.0, 0.0, 0.0, 6.0, 0.0, 0.0, 4.0, 2.0).tolist() == [1.0]
     assert "cells" in vars(corridor._region)
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_c_is_generated_once_for_a_spec_and_not_taken_for_another() -> None:
+    """Of many specs that come and go, one like the other, each program judges by its own limit, and each of some of its rules."""
+    one = loads(SPEC)
+    assert generated(one, one.rules) is generated(one, list(one.rules))
+    for metres in range(1, 12):
+        spec = loads(SPEC.replace("> 1 m", f"> {metres} m") + 'rule s "s"\n  require ego.x > 3 m\n')
+        for rules in (None, ["r"], ["s"]):
+            judge = tm.Evaluator(spec, rules, backend="c")
+            given = {"plan": {"t": [0.0, 1.0], "x": [0.0, 0.0]}, "ego": {"x": 0.0}, "other": [{"x": 3.0}]}
+            found = judge.case({"signals": given}).rules
+            assert {name: result.margin for name, result in found.items()} == {
+                name: margin for name, margin in {"r": 6.0 - metres, "s": -3.0}.items() if rules is None or name in rules
+            }  # fmt: skip
+        del spec, judge
+        gc.collect()  # whose ids are another's next

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from trackmarshal.backends.c.build import program
 from trackmarshal.backends.c.process.emit import UNITS, Emitted
-from trackmarshal.backends.c.source import generate
+from trackmarshal.backends.c.source import generated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.messages import Layout
@@ -52,7 +52,7 @@ def build(
         raise TrackmarshalError(
             "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
         )
-    source = generate(spec, rules, doored=True)
+    source = generated(spec, rules, doored=True)
     held = {name: float(value) for name, value in asdict(limits or Limits.of(spec)).items()}
     made = Emitted(source, held, settings)
     path = program(source, made.files, UNITS, made.sizes)

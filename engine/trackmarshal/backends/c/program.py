@@ -18,7 +18,7 @@ from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.over_run.cells import bytes_of_pairs, bytes_of_rate
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.places import PlaceSetter, bytes_of_lanes, lanes
-from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.c.source import Source, generated
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.over_run.lives import Without
@@ -111,7 +111,7 @@ class CProgram(Stateless):
 
     def __init__(self, spec: Spec, rules: Sequence[RuleInfo]) -> None:
         super().__init__(spec, rules)
-        self.source = generate(spec, rules)
+        self.source = generated(spec, rules)
         self.rules = self.source.plan.rules
         self.order: Flat = flat(self.source)
         self._kinds = set(capacities(self.source.plan))

@@ -16,7 +16,7 @@ from trackmarshal.backends.c.calling.quick import Quick, Slowly
 from trackmarshal.backends.c.gather import Gathered, fastest
 from trackmarshal.backends.c.over_run.explaining import Explaining
 from trackmarshal.backends.c.saving import loaded, pieces, words
-from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.c.source import Source, generated
 from trackmarshal.backends.c.step import Reason, Said, Stepper, Stepping
 from trackmarshal.backends.c.words import Wording
 from trackmarshal.errors import TrackmarshalError
@@ -111,7 +111,7 @@ class CSupervisor(OfOneRun):
         self.limits = Limits.of(spec) if limits is None else limits
         self.spec = spec
         self.contract = of_cycles(spec, rules)
-        source = generate(spec, rules, doored=True)
+        source = generated(spec, rules, doored=True)
         self.rules = source.plan.rules
         self.stepper: Stepping = (
             Stepper(source, asdict(self.limits), clock, settings.params, settings.tables)
