@@ -101,7 +101,7 @@ SPECS: dict[str, tuple[bytes, str, str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", SPECS)
+@pytest.mark.parametrize("name", shared_out(SPECS, 2))
 def test_check_says_what_is_wrong_with_a_spec(name: str, tmp_path: Path) -> None:
     content, code, place = SPECS[name]
     (tmp_path / "bad.spec").write_bytes(content)
@@ -109,7 +109,7 @@ def test_check_says_what_is_wrong_with_a_spec(name: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("name", "verb"), shared_out(product(SPECS, ("test", "eval", "replay", "explain")), 3)
+    ("name", "verb"), shared_out(product(SPECS, ("test", "eval", "replay", "explain")), 7)
 )
 def test_no_verb_works_with_a_bad_spec(name: str, verb: str, tmp_path: Path) -> None:
     content, code, _ = SPECS[name]
@@ -457,7 +457,7 @@ CASES: dict[str, tuple[dict[str, Any], str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("backend", [at_length("reference"), "numpy", "c"])
+@pytest.mark.parametrize("backend", [at_length("reference"), at_length("numpy"), "c"])
 def test_cases_that_cannot_be_called_safe(backend: str) -> None:
     """One run with all of them: what is wrong with one does not touch the others. The reference, which is slow, has few good ones."""
     every = 8 if backend == "reference" else 1

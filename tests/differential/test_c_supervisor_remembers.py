@@ -18,7 +18,7 @@ from trackmarshal.evaluation import Evaluator
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
 #: A tenth of those of the Supervisor whose rules remember nothing: each takes three times as long.
-RUNS = max(amount(2, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 10)
+RUNS = max(amount(2, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 20)
 PARTS = amount(1, 4)
 
 
@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("pairs", [False, True], ids=["elements", "pairs"])
 @pytest.mark.parametrize("part", range(PARTS))
 def test_generated_runs(part: int, pairs: bool, folder: Path) -> None:
-    """TRACKMARSHAL_RUNS=10*N makes N runs of 50 cycles with faults of every kind; pairs: with rules of pairs of elements, too."""
+    """TRACKMARSHAL_RUNS=20*N makes N runs of 50 cycles with faults of every kind; pairs: with rules of pairs of elements, too."""
     names = NAMES + NAMES_OF_PAIRS * pairs
     verdicts, driven = Counter[tuple[str, str]](), Counter[str]()
     for seed in range(part, RUNS, PARTS):

@@ -14,6 +14,7 @@ import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
 from support.decision_lines import decision_lines
 from support.emitted import SCENARIOS, emit, name_of
+from support.length import at_length
 from support.processes import PATIENCE, Served, built, free_port
 from support.shared import REPOSITORY, SUPERVISOR
 from support.supervised import shipped
@@ -74,7 +75,7 @@ def test_the_shipped_scenarios(recording: Path, evaluator: Evaluator) -> None:
         assert client.refused == {}
 
 
-@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+@pytest.mark.parametrize("udp", [at_length(False), True], ids=["shared memory", "datagrams"])
 def test_broken_cycles(udp: bool) -> None:
     """All faults that the door finds, with their places, and those that Python finds before it."""
     spec, rng, now, faults = shipped(), random.Random(7), 0.0, set()
@@ -136,7 +137,7 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
-@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+@pytest.mark.parametrize("udp", [False, at_length(True)], ids=["shared memory", "datagrams"])
 def test_the_client_in_c(udp: bool, emitted: Path) -> None:
     """It prints what the emitted example prints of the same cycles."""
     cycles = emitted / "run.cycles"

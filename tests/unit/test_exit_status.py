@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from support.length import at_length
 from support.project import run_command
 from support.shared import REPOSITORY
 from support.start import new_project
@@ -101,7 +102,7 @@ BOTH: Truth = {"dynamic": True, "static": True}
         ([cycle(0, truth={"dynamic": True, "static": None}), cycle(1, v=40.0, truth={"dynamic": True, "static": None})], 1),
     ],
 )  # fmt: skip
-@pytest.mark.parametrize("format_", ["text", "jsonl"])
+@pytest.mark.parametrize("format_", ["text", at_length("jsonl")])
 def test_a_replay_is_held_against_what_was_declared(cycles: list[Any], status: int, format_: str) -> None:
     found, out = replayed(*cycles, more=("--format", format_))
     assert found == status, out

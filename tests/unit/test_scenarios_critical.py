@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from support.length import shared_out
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import load
@@ -86,7 +87,7 @@ def same(one: Any, other: Any) -> bool:
     return bool(one == other)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", shared_out(NAMES, 3))
 def test_recordings_are_what_their_declarations_generate(name: str, recordings: dict[str, Recording]) -> None:
     fresh = [json.loads(line) for line in recording_io.encode(generate(FOLDER / f"{name}.yaml"))]
     assert same(fresh, [json.loads(line) for line in recording_io.encode(recordings[name])]), (

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.archives import HEADER, archive, row, scn
+from support.length import shared_out
 from support.project import run_command
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
@@ -315,7 +316,7 @@ REFUSED: list[tuple[str, str, str, str]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("old", "new", "code", "part"), REFUSED)
+@pytest.mark.parametrize(("old", "new", "code", "part"), shared_out(REFUSED, 3))
 def test_what_cannot_be_meant_is_refused(old: str, new: str, code: str, part: str) -> None:
     with pytest.raises(TrackmarshalError) as caught:
         scene((old, new))
