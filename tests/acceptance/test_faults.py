@@ -50,9 +50,9 @@ def test_there_are_enough_of_all_kinds() -> None:
     every = {rule.name for rule in full()[1].rules}
     # rss_eq1 never fires without safe_gap, ends_at_rest never before the door; the other two monitors have no fault here
     # (a trajectory that is planned anew, braking by less or the other way round, is no change of one: tests/unit/test_into_others.py has both;
-    # tests/unit/test_further_ways.py those of the last line, tests/acceptance/test_moving_over.py fallback_line)
+    # tests/unit/test_further_ways.py those of the last line, tests/acceptance/test_moving_over.py the two about lines)
     assert every - rules == {
-        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "fallback_oncoming", "fallback_line",
+        "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "fallback_oncoming", "fallback_line", "fallback_cut_in",
         "race_direction", "planned_side", "cut_in", "driving_collision", "fallback_brakes", "no_rolling", "step_length", "turn_integrity", "corner_integrity",
     }  # fmt: skip
     doors = {fault for fault, code in FAULTS.items() if code < "D24"}

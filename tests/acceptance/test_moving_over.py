@@ -1,4 +1,5 @@
-"""Fallbacks that move over, beside one who keeps to his line: who is safe by the rules meets nobody, whether that one drives on, brakes or speeds up.
+"""Fallbacks that move over, beside one who keeps to his line: who is safe by the rules meets nobody, whether that one drives on, brakes or speeds up;
+and nobody behind who has seen at once that ours brakes.
 
 Made up, on a straight road: what happens is worked out with shapely, of bodies and places alone.
 """
@@ -15,12 +16,13 @@ import shapely
 from numpy.typing import NDArray
 
 from support.dense.sweep import corners
+from support.length import at_length
 from support.supervised import shipped
 from trackmarshal.evaluation import Evaluator
 
 pytestmark = pytest.mark.verifies("S-1-A-2")
 
-RULE = "fallback_line"
+BESIDE, BEHIND = "fallback_line", "fallback_cut_in"
 LENGTH, WIDTH, OTHER_WIDTH = 4.7, 2.8, 2.0
 #: How far apart samples are, m.
 STEP = 2.0
@@ -28,6 +30,8 @@ STEP = 2.0
 SOME = [(0.0, 13.0, 0.0), (0.0, 4.0, 0.0), (9.0, 0.0, 0.0), (9.0, 0.0, 6.0)]
 ALL = [*SOME, *product((0.0, 0.5, 1.0, 2.0), (2.0, 4.0, 8.0, 13.0), (0.0, 6.0))]
 AMOUNTS = [(300, SOME), pytest.param(3000, ALL, marks=pytest.mark.acceptance)]
+#: What one behind does who has seen at once that ours brakes: from when on and how hard it brakes, and what it speeds up by before that.
+REACTS = [(0.2, 13.0, 6.0), (0.2, 13.0, 0.0), (0.1, 13.0, 0.0)]
 
 X = np.arange(-300.0, 900.0, 5.0)
 TRACK = {"left": np.stack([X, 0.0 * X + 8.0], axis=1), "right": np.stack([X, 0.0 * X - 8.0], axis=1)}
@@ -74,13 +78,14 @@ class Other(NamedTuple):
         v = self.v + faster * min(late, 0.2)
         before, after = np.minimum(t, late), np.maximum(t - late, 0.0)
         after = np.minimum(after, v / brakes if brakes > 0.0 else np.inf)
-        x = self.x + (self.v + faster * np.minimum(before, 0.2)) * before + v * after - brakes * after**2 / 2
+        faster *= np.minimum(before, 0.2) * (before - np.minimum(before, 0.2) / 2)
+        x = self.x + self.v * before + faster + v * after - brakes * after**2 / 2
         return shapely.polygons(corners(x, np.full(len(t), self.y), np.zeros(len(t)), LENGTH, OTHER_WIDTH))
 
 
 @cache
-def made(count: int) -> list[tuple[Fallback, Other]]:
-    rng = np.random.default_rng(count)
+def made(count: int, behind: bool = False) -> list[tuple[Fallback, Other]]:
+    rng = np.random.default_rng(count + behind)
     found = []
     for _ in range(count):
         v, brakes = rng.uniform(15.0, 60.0), rng.uniform(3.0, 11.0)
@@ -88,16 +93,19 @@ def made(count: int) -> list[tuple[Fallback, Other]]:
         over = rng.uniform(max(10.0, 0.7 * v), max(30.0, end))
         aside = rng.choice([-1.0, 1.0]) * rng.uniform(0.0, 6.0)
         other = Other(rng.uniform(-8.0, 0.9 * end), rng.uniform(-6.5, 6.5), rng.uniform(0.6, 1.1 * v))
+        if behind:
+            y = rng.choice([-1.0, 1.0]) * rng.uniform((WIDTH + OTHER_WIDTH) / 2 + 0.11, 6.5)
+            other = Other(-LENGTH - rng.uniform(0.0, 2.0 * v), y, rng.uniform(0.5 * v, 2.0 * v))
         found.append((Fallback(v, end, aside, rng.uniform(0.0, 0.7 * end), over), other))
     return found
 
 
 @cache
-def fired(count: int) -> list[set[str]]:
+def fired(count: int, behind: bool = False) -> list[set[str]]:
     """By case the rules about others that are violated."""
     rules = {rule.name for rule in shipped().rules if rule.module == "supervisor.collision"} - {"rss_eq1"}
     judge = Evaluator(shipped(), sorted(rules), "numpy")
-    results = judge.evaluate(judge.read_all([case(*each) for each in made(count)]))
+    results = judge.evaluate(judge.read_all([case(*each) for each in made(count, behind)]))
     return [{name for name, rule in result.rules.items() if rule.unsafe} for result in results]
 
 
@@ -110,9 +118,11 @@ def case(fallback: Fallback, other: Other) -> dict[str, Any]:
 
 
 def meet(fallback: Fallback, other: Other, ways: Any) -> bool:
-    """Whether both touch before ours stands, whatever the other one does of that."""
+    """Whether both touch before ours stands, and who is behind before it stands as well, whatever the other one does of that."""
     t = np.arange(0.0, fallback.lasts, 0.02)
-    ours = fallback.bodies(t)
+    if other.x + LENGTH <= 0.0:
+        t = np.arange(0.0, max(fallback.lasts, 0.2 + (other.v + 1.2) / 13.0), 0.02)
+    ours = fallback.bodies(np.minimum(t, fallback.lasts))
     return any(bool(shapely.intersects(ours, other.bodies(t, *way)).any()) for way in ways)
 
 
@@ -130,6 +140,21 @@ def test_nobody_is_met_who_keeps_to_his_line(count: int, ways: Any) -> None:
 @pytest.mark.parametrize(("count", "ways"), AMOUNTS)
 def test_who_is_stopped_by_this_rule_alone_mostly_meets_somebody(count: int, ways: Any) -> None:
     """The rest is steps of the trajectory, of which the whole counts, and what no way of braking that is tried here comes to."""
-    alone = [each for each, said in zip(made(count), fired(count)) if said == {RULE}]
+    alone = [each for each, said in zip(made(count), fired(count)) if said == {BESIDE}]
     assert len(alone) > count / 20
     assert sum(meet(*each, ways) for each in alone) > 0.7 * len(alone)
+
+
+@pytest.mark.parametrize("count", [300, at_length(3000)])
+def test_nobody_behind_is_cut_off_who_reacts_at_once(count: int) -> None:
+    safe = [each for each, said in zip(made(count, True), fired(count, True)) if not said]
+    assert len(safe) > count / 2
+    assert not [other for fallback, other in safe if meet(fallback, other, REACTS)]
+
+
+@pytest.mark.parametrize("count", [300, at_length(3000)])
+def test_who_is_stopped_for_somebody_behind_mostly_cuts_him_off(count: int) -> None:
+    """The rest is the step in which the trajectory comes into his line, of which the whole counts."""
+    alone = [each for each, said in zip(made(count, True), fired(count, True)) if said == {BEHIND}]
+    assert len(alone) > count / 30
+    assert sum(meet(*each, REACTS) for each in alone) > 0.7 * len(alone)

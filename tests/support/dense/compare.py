@@ -32,8 +32,9 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "safe_fallback": ["stops too late"],
         "fallback_collision": ["somebody in its way"],
         "fallback_line": ["into a line"],
-        # Nobody comes towards the car in the recordings.
+        # Nobody comes towards the car in the recordings, or up from behind.
         "fallback_oncoming": [],
+        "fallback_cut_in": [],
         # What is planned beside others fires where what is so already does; no fact says so of what is planned alone.
         "planned_side": ["beside", "ahead", "touches"],
         "cut_in": ["touches"],
