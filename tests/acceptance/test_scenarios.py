@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
+import shapely
 from shapely import Polygon, box
 from shapely.affinity import rotate, translate
 
+from support.dense.sweep import corners
 from support.length import at_length, shared_out
 from support.shared import REPOSITORY
 from trackmarshal import scenarios, trace
@@ -30,6 +34,8 @@ BESIDE = {
     },
 }
 
+#: What finds who closes the door.
+DOOR = ("fallback_cut_in", "cut_in")
 
 _known: dict[object, Evaluator] = {}
 
@@ -137,16 +143,16 @@ def test_a_fallback_through_another_car_is_found_by_one_rule_alone() -> None:
     assert over == times
 
 
-def test_who_closes_the_door_is_found_by_one_rule_alone() -> None:
+def test_who_closes_the_door_is_found_by_two_rules_alone() -> None:
     """Worked out in small steps: whoever is behind brakes after its response as hard as it can, and is in the car ahead, which brakes, too."""
     path = FOLDER / "closing_door.tmrec.jsonl.gz"
-    fired = unsafe(run(path))
-    assert {rule for _, rule in fired} == {"cut_in"}
-    assert sorted({t for t, _ in fired}) == pytest.approx([4.2, 4.3, 4.4])
-    assert unsafe(run(path, ("cut_in",))) == []
+    times = {name: {round(t, 1) for t, rule in unsafe(run(path)) if rule == name} for name in DOOR}
+    assert {rule for _, rule in unsafe(run(path))} == set(DOOR)
+    assert times == {"fallback_cut_in": {t / 10 for t in range(34, 45)}, "cut_in": {4.2, 4.3, 4.4}}
+    assert unsafe(run(path, DOOR)) == []
     recording, _ = shipped(path)
     for cycle in recording.cycles:
-        (other,), ego = cycle.objects, cycle.ego
+        (other,), ego, t = cycle.objects, cycle.ego, round(cycle.t, 1)
         ahead = math.hypot(ego["x"] - other["x"], ego["y"] - other["y"]) - 4.7
         step, least = 0.001, ahead
         front, rear = ego["v"], other["v"]
@@ -157,10 +163,26 @@ def test_who_closes_the_door_is_found_by_one_rule_alone() -> None:
                 max(0.0, rear - (13.0 * step if k * step >= 0.2 else 0.0)),
             )
             least = min(least, ahead)
-        if 4.2 <= round(cycle.t, 1) <= 4.4:
+        if t in times["cut_in"]:
             assert least < -20.0
         if cycle.t < 1.0:
             assert least > 0.0
+        if t < 4.5:  # from then on it gives way
+            assert met_by(other, cycle.candidates["emergency"]) == (t in times["fallback_cut_in"]), t
+
+
+def met_by(other: dict[str, Any], emergency: dict[str, list[float]]) -> bool:
+    """Whether a car that goes straight on, and brakes from 0.2 s on, is in one that drives a fallback."""
+    t = np.arange(0.0, 0.2 + other["v"] / 13.0, 0.01)
+    columns = (np.interp(t, emergency["t"], emergency[name]) for name in ("x", "y", "heading"))
+    ours = shapely.polygons(corners(*columns, 4.7, 2.8))
+    brakes = np.maximum(t - 0.2, 0.0)
+    way = other["v"] * np.minimum(t, 0.2) + other["v"] * brakes - 13.0 * brakes**2 / 2
+    x, y = (other[axis] + way * turned(other["heading"]) for axis, turned in (("x", np.cos), ("y", np.sin)))
+    theirs = shapely.polygons(
+        corners(x, y, np.full(len(t), other["heading"]), other["length"], other["width"])
+    )
+    return bool(shapely.intersects(ours, theirs).any())
 
 
 def unsafe(replayed: Replay) -> list[tuple[float, str]]:

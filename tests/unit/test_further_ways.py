@@ -200,7 +200,7 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         {("planned_side", "driving"), ("planned_side", "emergency"), ("fallback_line", "emergency")}),
     "over in front of a car that is twice as fast": (
         made(steady(30.0, heading=0.1), braking(8.0, 30.0, heading=0.1), {"heading": 0.1}, [car(-5.5, 3.0, 60.0)]),
-        {("cut_in", "driving"), ("cut_in", "emergency")}),
+        {("cut_in", "driving"), ("cut_in", "emergency"), ("fallback_cut_in", "emergency")}),
     "tighter than the steering allows, by what curvatures tolerate": (
         made(tightly(steady(5.0, 20), 7.5, 11.2), tightly(braking(8.0, 5.0), 7.5, 11.2)),
         {("turn_integrity", "driving"), ("turn_integrity", "emergency")}),
