@@ -110,11 +110,12 @@ class SpecPart:
     line: int
     column: int
     of: tuple[str, ...] = ()  #: the parameters and tables that a constraint restricts
+    meant: str = ""  #: of a signal: the same as `fingerprint`, in whatever order its fields stand
 
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": self.kind, "name": self.name, "fingerprint": self.fingerprint, "shown": self.shown, "file": self.file,
-            "line": self.line, "column": self.column, "of": list(self.of),
+            "line": self.line, "column": self.column, "of": list(self.of), "meant": self.meant,
         }  # fmt: skip
 
     @classmethod
@@ -122,7 +123,7 @@ class SpecPart:
         f = _Fields(data, "spec part")
         return cls(
             f.word("kind", PART_KINDS), f.text("name"), f.text("fingerprint"), f.text("shown", ""), f.text("file"), f.count("line"),
-            f.count("column"), f.texts("of"),
+            f.count("column"), f.texts("of"), f.text("meant", ""),
         )  # fmt: skip
 
 
@@ -143,6 +144,7 @@ class SpecTest:
         ""  #: where it expects about 0: by how much limits are moved to see that it fails, as people read it
     )
     within: str = ""  #: the tolerance about 0, as people read it
+    meant: str = ""  #: sha256 of what `text` comes to, parameters by name; empty where that is not known
 
     def made_from(self, rule: Mapping[str, str], engine: str) -> dict[str, str]:
         """All that its result is made from, by kind and name; `rule` is what its rule is made from."""
@@ -153,7 +155,7 @@ class SpecTest:
         return {
             "rule": self.rule, "title": self.title, "expects": self.expects, "boundary": self.boundary,
             "file": self.file, "line": self.line, "column": self.column, "fingerprint": self.fingerprint,
-            "text": self.text, "distance": self.distance, "within": self.within,
+            "text": self.text, "distance": self.distance, "within": self.within, "meant": self.meant,
         }  # fmt: skip
 
     @classmethod
@@ -162,7 +164,7 @@ class SpecTest:
         return cls(
             f.text("rule"), f.text("title", ""), f.word("expects", VERDICTS), f.flag("boundary", False),
             f.text("file"), f.count("line"), f.count("column"), f.text("fingerprint", ""),
-            f.text("text", ""), f.text("distance", ""), f.text("within", ""),
+            f.text("text", ""), f.text("distance", ""), f.text("within", ""), f.text("meant", ""),
         )  # fmt: skip
 
 

@@ -94,3 +94,35 @@ def test_a_file_that_is_gone_is_told_where_it_is_missed_or_here(key: str, field:
     assert list(changes(before, {key: {}})) == []
     said = [f"{key}: its {called} changed (there is none any more)"]
     assert [str(change) for change in changes(before, {key: {}}, missed=False)] == said
+
+
+def case(text: str, meant: str = "", title: str = "at it") -> Content:
+    """A rule with one test, as baselines of before held it, or with what that comes to."""
+    return {
+        "rule slow": {},
+        f"test slow: {title}": {
+            "expects": "satisfied",
+            "text": text,
+            **({"text, worked out": meant} if meant else {}),
+        },
+    }
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "less"),
+    [
+        (case("a"), case("a", "x"), False),
+        (case("a"), case("a", "x", "on it"), False),
+        (case("a"), case("b", "x"), True),
+        (case("a", "x"), case("b", "x"), False),
+        (case("a", "x"), case("b", "x", "on it"), False),
+        (case("a", "x"), case("a", "y"), True),
+        (case("a", "x"), case("a", "y", "on it"), True),
+        (case("a", "x"), case("a"), True),
+    ],
+)
+def test_what_a_test_comes_to_is_held_from_the_next_acceptance_on(
+    before: Content, now: Content, less: bool
+) -> None:
+    """Until then what is written of it counts; afterwards it may be written in another way."""
+    assert len(weaker(before, now)) == less

@@ -64,12 +64,15 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
     ]  # fmt: skip
 
 
-def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] = ()) -> list[SpecPart]:
-    """What rules and assumptions read, all constraints, and the limits of the Supervisor, as the matrix sees them."""
-    from trackmarshal.meaning import of, restricted
+def spec_parts(
+    spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] = (), tests: Iterable[PreparedTest] = ()
+) -> list[SpecPart]:
+    """What rules and assumptions read, parameters that the numbers of tests are made of, all constraints, and the limits of the Supervisor, as the matrix sees them."""
+    from trackmarshal.meaning import in_order, of, restricted
     from trackmarshal.units import in_full
 
     read = {name for item in items for name in item.inputs}
+    read |= {f"param {name}" for test in tests for name in test.reads}
     found: list[tuple[str, str, Any, str]] = []
     for name, param in spec.params.items():
         low, high = (("" if end is None else in_full(end, param.unit)) for end in (param.lower, param.upper))
@@ -103,6 +106,7 @@ def spec_parts(spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] =
             info.span.line,
             info.span.column,
             restricted(info) if kind == "constraint" else (),
+            of(in_order(info)) if kind == "signal" else "",
         )
         for kind, name, info, shown in used
     ]
@@ -165,7 +169,7 @@ def spec_tests(spec: Spec, tests: Iterable[PreparedTest], distances: Distances) 
     return [
         SpecTest(
             t.rule.name, t.title, t.verdict, stands.narrow, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said),
-            stands.distance, stands.within,
+            stands.distance, stands.within, sha256(t.meant),
         )
         for t in tests
         for stands in [near(t, spec, distances)]

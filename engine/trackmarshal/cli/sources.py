@@ -92,7 +92,12 @@ class Sources:
             )
             for shown, (_, evaluator) in self._scenarios.items()
         }
-        parts = [*evidence.spec_parts(self.compiled.spec, items, self._shipped), *self._replayed()]
+        names = {item.name for item in items}
+        read_by = [test for test in self.prepared if test.rule.name in names]
+        parts = [
+            *evidence.spec_parts(self.compiled.spec, items, self._shipped, read_by),
+            *self._replayed(),
+        ]
         return Facts(items, parts, tests, inputs, campaigns.cases(self._campaigns), wrong)
 
     def _replayed(self) -> Iterator[SpecPart]:

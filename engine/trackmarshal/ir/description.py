@@ -35,7 +35,8 @@ def _described(root: ir.IR, names: bool) -> str:
             said = {**said, **dict(zip(("op", "left", "right"), node.written))}
         for name in node.compared:
             value = said[name]
-            if name == "shown" or (name == "names" and not names):
+            called = name == "names" or (name == "name" and isinstance(node, ir.At))
+            if name == "shown" or (called and not names):
                 continue  # how a comparison is shown is no part of what a formula means
             if (
                 name == "turned"

@@ -5,8 +5,19 @@ parameters, tables, places and signals that it reads, the constraints on its par
 """
 
 from trackmarshal.meaning.inputs import Inputs, key, sha256
-from trackmarshal.meaning.rules import Meaning, of, restricted, whole
+from trackmarshal.meaning.rules import Meaning, in_order, of, restricted, whole
 from trackmarshal.meaning.tests import fingerprint_of_test
 from trackmarshal.meaning.tool import tool
 
-__all__ = ["Inputs", "Meaning", "fingerprint_of_test", "key", "of", "restricted", "sha256", "tool", "whole"]
+__all__ = [
+    "Inputs",
+    "Meaning",
+    "fingerprint_of_test",
+    "in_order",
+    "key",
+    "of",
+    "restricted",
+    "sha256",
+    "tool",
+    "whole",
+]

@@ -120,6 +120,13 @@ def of(info: Declared) -> str:
             assert_never(info)
 
 
+def in_order(signal: SignalType) -> SignalType:
+    """A signal with its fields in the order of their names: rules and recordings call them by these."""
+    return SignalType(
+        **{**signal.__dict__, "fields_": tuple(sorted(signal.fields_, key=lambda field: field.name))}
+    )
+
+
 def _told(value: object) -> str:
     """A record as text, without what it leaves open or as it is by default: what later versions can say more does not change what is said now."""
     if isinstance(value, Node):

@@ -27,6 +27,7 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.testing.builders import BUILDERS, Builder, built
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
+from trackmarshal.testing.meant import Meant
 from trackmarshal.testing.si import table_in_si
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
 
@@ -64,6 +65,9 @@ class PreparedTest(Node):
     at: str | None
     #: Its syntax tree without the title, of which neither layout nor comments are part.
     said: str
+    #: What that comes to, and the parameters that its numbers are made of: `testing.meant`.
+    meant: str
+    reads: frozenset[str]
     span: Span
 
 
@@ -104,6 +108,7 @@ class _Preparation:
         self._ctx = Context(self._scope, {}, 0, typed.TheRun(), None, ())
         self._found = found
         self._kind: type[BadGiven | BadExpectation] = BadGiven
+        self._meant = Meant()
 
     def fail(self, span: Span, problem: str, hint: str = "", other: Span | None = None) -> NoReturn:
         self._found.append(BadGiven(span, problem, hint, other) if other else self._kind(span, problem, hint))
@@ -155,6 +160,8 @@ class _Preparation:
             binder,
             at,
             repr((item.steps, item.expect)),
+            self._meant.text(item, _variables(rule.formula), unit),
+            frozenset(self._meant.reads),
             item.span.head,
         )
 
@@ -188,6 +195,8 @@ class _Preparation:
                 "`with` changes columns of a timeline",
                 f"give all of `{entry.name}` in one value",
             )
+        many = isinstance(item, (ast.Signal, ast.Event))  # which have no module of their own
+        self._meant.name(entry, item.name if many else symbol.qualified)
         match item:
             case ast.Signal():
                 case["signals"][entry.name] = self._signal(self._spec.signals[item.name], entry)
@@ -503,6 +512,7 @@ class _Preparation:
         params = self._spec.params
         plain = typed.literal(checked)
         if plain is not None:
+            self._meant.number(value, None, plain)
             return plain, checked.dimension
         core = self._lowering.number(checked)
         if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(core)):
@@ -510,6 +520,7 @@ class _Preparation:
         number = constant_value(core, lambda qualified: params[qualified].value)
         if number is None:
             self.fail(_span(value), "this depends on an input", "a test gives constants")
+        self._meant.number(value, core, number)
         return number, checked.dimension
 
     # What is expected -----------------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from support.planted.edits import (
     swap,
 )
 from support.planted.evidence import GENERATED, OTHER_VERSION, REPORTED, ran
+from support.planted.specs import BY_NAME
 
 R, M, V, H, A = (
     f"requirements/{name}.yaml"
@@ -40,6 +41,29 @@ def _blank_lines(data: bytes) -> bytes:
 def _loose(data: bytes) -> bytes:
     return re.sub(rb"([-+*/]) ", rb"\1  ", data.replace(b"  require   ", b"  require\n      "))
 
+
+#: A rule about a timeline at the sample where it begins, with its tests.
+_FIRST = b"""module first
+
+use signals
+
+rule steady "No faster than the road is laid out for"
+  satisfies S-2
+  along     plan as p
+  require   always p.v <= 20 m/s
+
+test steady "at it"
+  given  plan = line(v: 20 m/s)
+  expect satisfied, margin 0 m/s
+
+test steady "below"
+  given  plan = line(v: 9 m/s)
+  expect satisfied
+
+test steady "above"
+  given  plan = line(v: 21 m/s)
+  expect violated
+"""
 
 # fmt: off
 EDITS = [
@@ -97,7 +121,17 @@ EDITS = [
     Harmless("rules in another order", all_of(cut(S, "rule speed_limit", "rule braking"), add(S, '\nrule speed_limit "No faster than the campus permits"\n  satisfies S-1\n  source    concept eq 1\n  for all   p in plan\n  require   p.v <= v_max\n'))),
     Harmless("parameters in another order", all_of(swap(C, "param v_max      : m/s   = 12 m/s     in [1, 20]    source \"permit of the campus, 2\"\n", ""), swap(C, "-- How hard", "param v_max      : m/s   = 12 m/s     in [1, 20]    source \"permit of the campus, 2\"\n\n-- How hard"))),
     Harmless("lines of the store in another order", remade(STORE, lambda data: b"\n".join(sorted(data.split(b"\n")[:-1])) + b"\n")),
+    Harmless("fields of a signal in another order", swap(N, "signal ego     : state { x: m, y: m,", "signal ego     : state { y: m, x: m,")),
+    Harmless("fields of an object of a test in another order", swap(S, "objects = [{ x: 60 m, length: 5 m }]", "objects = [{ length: 5 m, x: 60 m }]")),
+    Harmless("what a test gives in another order", swap(S, '"far away"\n  given  ego = { x: 0 m, v: 6 m/s }\n  given  objects = [{ x: 60 m, length: 5 m }]\n', '"far away"\n  given  objects = [{ x: 60 m, length: 5 m }]\n  given  ego = { x: 0 m, v: 6 m/s }\n')),
     # names and places
+    Harmless("another unit in a test", all_of(swap(S, "[{ age: 200 ms }]", "[{ age: 0.2 s }]"), swap(S, "given  plan = line(v: 9 m/s)\n  expect satisfied, margin 3 m/s", "given  plan = line(v: 32.4 km/h)\n  expect satisfied, margin 10.8 km/h"))),
+    Harmless("a name for what a test gives", all_of(swap(S, "with v[3] = 13 m/s", "with v[3] = much"), add(S, "\ndefine much = 13 m/s\n"))),
+    Harmless("another name for what a test gives", all_of(agreed(add(S, f"\ndefine much = 13 m/s\n{BY_NAME}")), each(S, "much", "plenty"))),
+    Harmless("a variable under another name, and in the test that says where", all_of(swap(S, "  for all   p in plan\n  require   p.v <= v_max", "  for all   q in plan\n  require   q.v <= v_max"), swap(S, "at p = 3", "at q = 3"))),
+    Harmless("a timeline's sample under another name", all_of(agreed(put("specs/first.spec", _FIRST)), each("specs/first.spec", "p.v", "q.v"), swap("specs/first.spec", "plan as p", "plan as q"))),
+    Harmless("a tolerance in another unit", swap(H, "tolerance: 500 ms", "tolerance: 0.5 s")),
+    Harmless("a range in another unit", swap(H, "from: 36 km/h, to: 11 m/s", "from: 10 m/s, to: 39.6 km/h")),
     Harmless("a variable under another name", swap(S, "  for all   p in plan\n  require   -p.a <= min(b_max, bite(p.v))", "  for all   q in plan\n  require   -q.a <= min(b_max, bite(q.v))")),
     Harmless("Greek and signs", swap(S, "  for all   p in plan\n  require   p.v <= v_max\n", "  for all   p in plan\n  require   p.v ≤ v_max\n")),
     Harmless("another unit of the same value", swap(C, "= 200 ms", "= 0.2 s ")),

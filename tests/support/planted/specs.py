@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from support.planted.edits import Fault, add, all_of, cut, each, gone, put, remade, swap
+from support.planted.edits import Fault, add, agreed, all_of, cut, each, gone, put, remade, swap
 
 S, C, B, N = "specs/rules.spec", "specs/vehicle.spec", "specs/order.spec", "specs/signals.spec"
-
+#: A test that says by a name how fast it is.
+BY_NAME = '\ntest speed_limit "faster"\n  given  plan = line(v: much)\n  expect violated\n'
+_DEFINED = agreed(add(S, f"\ndefine much = 13 m/s\n{BY_NAME}"))
 # fmt: off
 FAULTS = [
     Fault("a use of signals struck", swap(S, "use signals\n", ""), "E201", "free_ahead"),
@@ -52,6 +54,14 @@ FAULTS = [
     Fault("a test that expects the contrary", swap(S, "expect violated, margin -1 m/s^2", "expect satisfied"), "T374", "braking"),
     Fault("a test that sets its own limit", swap(S, 'test speed_limit "below the limit"\n', 'test speed_limit "below the limit"\n  given  v_max = 20 m/s\n'), "T374", "speed_limit"),
     Fault("a boundary within a million", swap(S, "  given  plan = line(v: 12 m/s)\n  expect satisfied, margin 0 m/s", "  given  plan = line(v: 12 m/s)\n  expect satisfied, margin about 0 m/s within 1000000 m/s"), "T374", "speed_limit"),
+    Fault("another speed by the name that a test gives", all_of(_DEFINED, swap(S, "define much = 13 m/s", "define much = 12.5 m/s")), "T374", "speed_limit"),
+    Fault("another speed by the name that a test gives, and another title of the test", all_of(_DEFINED, swap(S, "define much = 13 m/s", "define much = 12.5 m/s"), swap(S, '"faster"', '"quicker"')), "T221", "speed_limit"),
+    Fault("a definition of the same name in place of the one that a test gives", all_of(put("specs/much.spec", b"module much\n\ndefine a = 13 m/s\ndefine b = 12.5 m/s\n"), agreed(all_of(swap(S, "use vehicle\n", "use vehicle\nuse much\n"), add(S, BY_NAME.replace("much", "a")))), each("specs/much.spec", "define a = 13", "define c = 13"), each("specs/much.spec", "define b", "define a")), "T374", "speed_limit"),
+    Fault("a parameter that tests alone read", all_of(agreed(all_of(add(C, '\nparam much : m/s = 13 m/s in [1, 20]\n'), add(S, BY_NAME))), swap(C, "much : m/s = 13 m/s", "much : m/s = 12.5 m/s")), "T372", "vehicle.much"),
+    Fault("a speed of a test with other units", swap(S, "given  plan = line(v: 9 m/s)\n  expect satisfied, margin 3 m/s", "given  plan = line(v: 9 km/h)\n  expect satisfied, margin 9.5 m/s"), "T374", "speed_limit"),
+    Fault("values of a test under each other's names", swap(S, "given  objects = [{ x: 60 m, length: 5 m }]", "given  objects = [{ length: 6 m, x: 60 m }]"), "T374", "keeps_clear"),
+    Fault("another sample of a test", swap(S, "with v[3] = 13 m/s\n  expect violated, margin -1 m/s, at p = 3", "with v[2] = 13 m/s\n  expect violated, margin -1 m/s, at p = 2"), "T374", "speed_limit"),
+    Fault("a test that no longer says where", swap(S, ", at p = 3", ""), "T374", "speed_limit"),
     Fault("two tests with one title", add(S, '\ntest braking "harder"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-8 m/s^2, 0 m/s^2] }\n  expect violated\n'), "E421"),
     Fault("a test that fails", add(S, '\ntest braking "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect violated\n'), "T215", "braking"),
     Fault("a test of what there is not", add(S, '\ntest brakes "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect satisfied\n'), "E219"),

@@ -14,6 +14,7 @@ from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes, naming
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import schema
+from trackmarshal.trace.graph.conditions import in_si
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.reviewed import unreviewed
 from trackmarshal.trace.model import Project
@@ -31,6 +32,8 @@ Content: TypeAlias = dict[str, Entry]
 UNKNOWN = ["?"]
 #: And where no configuration gives it any: earlier baselines say nothing then.
 _OWN_VALUES = ["the values of its specs"]
+#: What the name of a field ends with that says what another one comes to, however that is written: in place of it, it is compared where both contents have it.
+WORKED_OUT = ", worked out"
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
@@ -125,6 +128,11 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
+        said |= {
+            f"{name}{WORKED_OUT}": worked
+            for name, text in entry.attributes.items()
+            if (worked := in_si(text))
+        }
         if entry.kind in _NAMED:
             said["title"] = entry.title
         versions = [f"{of} {fingerprint}" for of, fingerprint in entry.versions]
@@ -249,12 +257,15 @@ def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
                 "expects": test.expects,
                 "boundary": "yes" if test.boundary else "",
                 "text": test.text or test.fingerprint,
+                f"text{WORKED_OUT}": test.meant,
             },
         )
     for part in spec.parts:
         if part.kind == "replay":
             continue  # it stands with its scenario or campaign
-        yield f"{part.kind} {part.name}", {"says": part.fingerprint, "shown": part.shown}
+        yield f"{part.kind} {part.name}", {
+            "says": part.fingerprint, "shown": part.shown, f"says{WORKED_OUT}": part.meant,
+        }  # fmt: skip
     for case in spec.faults:
         yield (
             f"fault {case.campaign} {case.id}",

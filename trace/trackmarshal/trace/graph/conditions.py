@@ -12,10 +12,11 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
-from trackmarshal.units import UNIT_PATTERN, parse_unit, to_si, written
+from trackmarshal.units import UNIT_PATTERN, parse_unit, show, to_si, written
 
 #: Two numbers that differ by less than this share of the range are the same: recordings are written with so many digits.
 _SAME = 1e-6
+_NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?")
 _UNIT = re.compile(rf"(?:1|{UNIT_PATTERN})(?:[*/·]{UNIT_PATTERN})*")
 
 
@@ -81,10 +82,20 @@ def _short(runs: list[RunSummary], quantity: str, low: str, high: str) -> str:
     )
 
 
+def in_si(text: str) -> str:
+    """A quantity, or a range from one `to` another, in SI: `0.5 s` for `500 ms`; empty for what is none."""
+    ends = [end.partition(" ") for end in text.split(" to ")]
+    if not all(_NUMBER.fullmatch(number) and _UNIT.fullmatch(unit) for number, _, unit in ends):
+        return ""
+    return " to ".join(
+        f"{to_si(float(number), unit)!r} {show(parse_unit(unit)[2])}" for number, _, unit in ends
+    )
+
+
 def _split(text: str) -> tuple[float, str]:
     """Number and unit."""
     number, _, unit = text.partition(" ")
     return float(number), unit or "1"
 
 
-__all__ = ["check"]
+__all__ = ["check", "in_si"]
