@@ -25,6 +25,8 @@ from support.planted.edits import (
     all_of,
     committed,
     cut,
+    git,
+    moved,
     put,
     run_git,
     swap,
@@ -86,6 +88,9 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "a title of a test",
         "rules in another order",
         "the baseline moved with all that was accepted",
+        "another folder of the repository, with all that was accepted",
+        "another folder of the repository, and something accepted",
+        "another project in the repository, which is gone",
         "the baseline with the ends of lines of Windows",
         "a report that may be missing, accepted when nobody was asked for a name",
         "an acceptance merged",
@@ -146,6 +151,28 @@ def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp
     status, found = judged(project, rerun=True)
     assert causes(found) == [("T381", "")]
     assert (status, found[0]["level"]) == (0, "warning")
+
+
+@pytest.mark.parametrize("way", [["campus"], ["vehicles/one", "vehicles/two"]])
+@pytest.mark.parametrize("anew", [False, True])
+def test_a_project_in_another_folder_has_the_history_that_it_had(
+    way: list[str], anew: bool, project: Path
+) -> None:
+    """Down and beside; one that begins anew there, with less, does not."""
+    here = "."
+    for to in way:
+        for part in ("requirements", "specs", "docs"):
+            moved(f"{here}/{part}", f"{to}/{part}")(project)
+        last = anew and to == way[-1]
+        if last:
+            cut(f"{to}/requirements/requirements.yaml", "  - id: S-9\n", "")(project)
+            (project / to / BASELINE).unlink()
+            status, _, err = command(project / to, "trace", "--accept-baseline")
+            assert status == 0, err
+        all_of(git("add", "-A", "."), committed("moved"))(project)
+        here = to
+    status, found = judged(project / way[-1], rerun=True)
+    assert (status, causes(found)) == ((1, [("T380", "")]) if anew else (0, []))
 
 
 def test_nothing_is_accepted_on_top_of_what_nobody_accepted(project: Path) -> None:

@@ -7,8 +7,9 @@ the acceptances of the one before, and what it holds differs only where one was 
 from __future__ import annotations
 
 import json
+import posixpath
 import subprocess
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,6 +39,8 @@ CODES = {
 _MODEL = "requirements/v-model.yaml"
 #: What git says of a link that leads to no file of the repository, before how long it is.
 _NO_FILE = frozenset({b"dangling", b"symlink", b"loop", b"notdir"})
+#: Entries by which a project is known again in another folder.
+_OF_ITS_OWN = ("requirement ", "rule ", "assumption ", "test ", "interface ")
 #: So many versions are looked at.
 _MOST = 200
 
@@ -90,13 +93,57 @@ def _goes_on(line: tuple[Acceptance, ...], from_: tuple[Acceptance, ...]) -> boo
 
 def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[str, str]]:
     """The commits that changed the baseline, the last one first, and by commit the file that it is there: along the first parents, or beside them, on branches that were merged."""
-    moved = _moved(root, baseline)
-    files = [*_models(root), *moved] if moved else [baseline]
+    homes = _homes(root)
+    moved = _moved(root, baseline, homes)
+    files = [*_models(root, homes), *moved] if moved else [baseline]
     commits = _log(root, files, "--first-parent")
     if not along:
         first = set(_git(root, "rev-list", "--first-parent", "HEAD").split())
         commits = [commit for commit in _log(root, files, "--full-history") if commit not in first]
-    return commits, _named(root, commits) if moved else dict.fromkeys(commits, baseline)
+    return commits, _named(root, commits, homes) if moved else dict.fromkeys(commits, baseline)
+
+
+def _homes(root: Path) -> list[str]:
+    """The folders of the repository that the project was in, from its own, this one first: those whose V-model is gone, and that held most of what is held here since the first acceptance.
+
+    A project that was copied has its own history where what it was copied from is still there.
+    """
+    gone = _gone(root)
+    own = _log(root, _models(root)) if gone else []
+    first = next((one for one in reversed(own) if one in _named(root, [one])), "")
+    held = _at(root, first, ".") if first else None
+    found = ["."]
+    for home, commit in gone.items() if held is not None else ():
+        before = _at(root, f"{commit}^", home)
+        names = set() if before is None else {key for key in before.content if key.startswith(_OF_ITS_OWN)}
+        if held is not None and len(names & held.content.keys()) * 2 > len(names):
+            found.append(home)
+    return list(dict.fromkeys(found))
+
+
+def _gone(root: Path) -> dict[str, str]:
+    """The folders, from the project's own, that are those of a V-model no more, and the commits that removed it along the first parents; the last one first."""
+    prefix = _git(root, "rev-parse", "--show-prefix").rstrip("\n")
+    told = _git(
+        root, "-c", "core.quotepath=off", "log", "--first-parent", "-m", "--no-renames", "--diff-filter=D", "--name-only", "--format=%H",
+        "--", f":(top,glob)**/{_MODEL}",
+    )  # fmt: skip
+    found: dict[str, str] = {}
+    commit = ""
+    for line in filter(None, told.split("\n")):
+        if not line.endswith(_MODEL):
+            commit = line
+            continue
+        home = posixpath.relpath(line.removesuffix(_MODEL) or ".", prefix or ".")
+        if home != "." and not _version(root, "HEAD", posixpath.join(home, _MODEL)):
+            found.setdefault(home, commit)
+    return found
+
+
+def _at(root: Path, commit: str, home: str) -> Baseline | None:
+    """What a project in a folder held at a commit."""
+    named = _named(root, [commit], [home]).get(commit)
+    return None if named is None else _held(_version(root, commit, named))
 
 
 def _along(root: Path, baseline: str) -> Iterator[Finding]:
@@ -220,25 +267,39 @@ def _log(root: Path, files: list[str], how: str = "--first-parent") -> list[str]
     return _git(root, "log", how, f"--max-count={_MOST}", "--format=%H", "--", *files).split()
 
 
-def _models(root: Path) -> list[str]:
-    """The V-model, and the file in the project that it is a link to."""
+def _models(root: Path, homes: Sequence[str] = (".",)) -> list[str]:
+    """The V-model, wherever it was, and the file in the project that it is a link to."""
     target = (root / _MODEL).resolve()
     inside = target.is_relative_to(root.resolve())
-    return list(dict.fromkeys([_MODEL, *([target.relative_to(root.resolve()).as_posix()] if inside else [])]))
+    there = [posixpath.normpath(posixpath.join(home, _MODEL)) for home in homes]
+    return list(dict.fromkeys([*there, *([target.relative_to(root.resolve()).as_posix()] if inside else [])]))
 
 
-def _moved(root: Path, baseline: str) -> list[str]:
+def _moved(root: Path, baseline: str, homes: Sequence[str]) -> list[str]:
     """All files that the V-model named as its baseline at some time, where it is not this one alone."""
-    changed = _log(root, _models(root))
-    named = {*_named(root, ["HEAD", *changed, *(f"{commit}^" for commit in changed)]).values(), baseline}
+    changed = _log(root, _models(root, homes))
+    asked = ["HEAD", *changed, *(f"{commit}^" for commit in changed)]
+    named = {*_named(root, asked, homes).values(), baseline}
     return sorted(named) if len(named) > 1 else []
 
 
-def _named(root: Path, commits: list[str]) -> dict[str, str]:
-    """By commit the file that its V-model names as the baseline, read as the project's is; without those that name none."""
+def _named(root: Path, commits: list[str], homes: Sequence[str] = (".",)) -> dict[str, str]:
+    """By commit the file that its V-model names as the baseline, read as the project's is, in the first of these folders that has one; without those that name none."""
+    found: dict[str, str] = {}
+    for home in homes:
+        there = _named_in(root, [commit for commit in commits if commit not in found], home)
+        found |= {
+            commit: file if home == "." else posixpath.normpath(posixpath.join(home, file))
+            for commit, file in there.items()
+        }
+    return found
+
+
+def _named_in(root: Path, commits: list[str], home: str) -> dict[str, str]:
+    """The same of one folder."""
     from trackmarshal.trace import tree
 
-    asked = "".join(f"{commit}:./{_MODEL}\n" for commit in commits)
+    asked = "".join(f"{commit}:./{posixpath.join(home, _MODEL)}\n" for commit in commits)
     done = subprocess.run(
         asking(root, "cat-file", "--batch", "--follow-symlinks"), input=asked.encode(), capture_output=True, check=True, timeout=60, env=surroundings()
     )  # fmt: skip
@@ -291,8 +352,8 @@ def _version(root: Path, commit: str, baseline: str) -> bytes:
 
 def _git(root: Path, *words: str) -> str:
     done = subprocess.run(
-        asking(root, *words), capture_output=True, text=True, check=True, timeout=60, env=surroundings()
-    )
+        asking(root, *words), capture_output=True, text=True, errors="surrogateescape", check=True, timeout=60, env=surroundings()
+    )  # fmt: skip
     return done.stdout
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -118,6 +119,53 @@ def _taken_back(root: Path) -> None:
     all_of(gone("requirements/doors.yaml"), unasked, put(BASELINE, before), committed("tidy"))(root)
 
 
+#: What a project is made of, beside what is kept of it.
+_PARTS = ("requirements", "specs", "docs")
+
+
+def _from_a_folder(*steps: Edit, whole: bool = True) -> Edit:
+    """The project was in a folder of its repository, and is moved out of it; what is done then is in one commit with that, or each step in one of its own.
+
+    whole: of what was in the folder, nothing stays there while the steps are done.
+    """
+
+    def edit(root: Path) -> None:
+        shutil.rmtree(root / ".git")
+        run_git(root, "init", "-q")
+        for part in _PARTS:
+            moved(part, f"campus/{part}")(root)
+        run_git(root, "add", "campus")
+        run_git(root, "commit", "-qm", "The shuttle")
+        for part in _PARTS:
+            shutil.copytree(root / "campus" / part, root / part)
+        if whole:
+            shutil.rmtree(root / "campus")
+        for step in steps:
+            step(root)
+            run_git(root, "add", "-A", ".")
+            run_git(root, "commit", "-qm", "moved")
+
+    return edit
+
+
+#: Less is demanded, and accepted in a baseline that begins anew.
+_LESS_ANEW = all_of(cut(R, "  - id: S-9\n", ""), _anew)
+
+
+def _beside_another(root: Path) -> None:
+    """Another project was in the repository, and is not any more when this one begins anew."""
+    named = json.loads((root / BASELINE).read_text("utf-8"))
+    named["content"] = {"requirement T-1": {"asil": "QM"}, "requirement S-9": {"asil": "QM"}}
+    put(
+        "tram/requirements/v-model.yaml",
+        b"document: v-model\nproject:\n  baseline: requirements/baseline.json\n",
+    )(root)
+    put("tram/requirements/baseline.json", json.dumps(named).encode())(root)
+    all_of(git("add", "tram"), committed("tram"), gone("tram"), committed("no tram"))(root)
+    run_git(root, "rm", "-qr", "--cached", *_PARTS)
+    all_of(committed("nothing"), git("add", *_PARTS), committed("again"))(root)
+
+
 def _merged(how: str, *, beside: Edit | None = None, again: bool = False) -> Edit:
     """A branch, on which something may be accepted as well, that merges what was meanwhile accepted where it began, so or so.
 
@@ -174,6 +222,9 @@ _STRUCK = cut(R, "  - id: S-9\n", "")
 _STRUCK_BY_HAND = all_of(
     _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True), committed("tidy")
 )
+_STRUCK_BY_HAND_THERE = all_of(
+    _STRUCK, accepted(lambda held: held["content"].pop("requirement S-9"), rehash=True)
+)
 _ONE_MORE = all_of(
     agreed(
         add(
@@ -227,6 +278,10 @@ FAULTS = [
     Fault("the baseline of another version in one commit, and accepted anew in another", all_of(put(BASELINE, b'{"format": "trackmarshal-baseline", "version": 1}'), committed("tidy"), _anew, git("add", "."), committed("again")), "T380", rerun=True),
     Fault("the baseline removed and accepted anew, behind a history put in place of what is recorded", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again"), git("replace", "--graft", "HEAD")), "T380", rerun=True),
     Fault("the baseline removed and accepted anew, behind a history that a file of grafts cuts off", all_of(gone(BASELINE), committed("tidy"), agreed(lambda root: None), git("add", "."), committed("again"), _cut_off), "T380", rerun=True),
+    Fault("another folder of the repository, and a baseline that begins anew there", _from_a_folder(_LESS_ANEW), "T380", rerun=True),
+    Fault("another folder of the repository, the project removed in a commit before", _from_a_folder(gone(*_PARTS), all_of(git("checkout", "-q", "HEAD~1", "--", "campus"), *(moved(f"campus/{part}", part) for part in _PARTS), _LESS_ANEW)), "T380", rerun=True),
+    Fault("another folder of the repository, the project removed in a commit afterwards", _from_a_folder(_LESS_ANEW, gone("campus"), whole=False), "T380", rerun=True),
+    Fault("another folder of the repository, and an entry of the baseline removed", _from_a_folder(_STRUCK_BY_HAND_THERE), "T380", rerun=True),
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
@@ -284,6 +339,9 @@ FAULTS = [
 ]
 EDITS = [
     Harmless("the baseline moved with all that was accepted", all_of(swap(V, "baseline: requirements/baseline.json", "baseline: requirements/accepted.json"), moved(BASELINE, "requirements/accepted.json"), git("add", "."), committed("moved"))),
+    Harmless("another folder of the repository, with all that was accepted", _from_a_folder(add("docs/notes.md", "# Notes\n"))),
+    Harmless("another folder of the repository, and something accepted", _from_a_folder(agreed(cut(R, "  - id: S-9\n", "")))),
+    Harmless("another project in the repository, which is gone", _beside_another),
     Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
     Harmless("an acceptance merged", _merged("")),
     Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
