@@ -159,7 +159,7 @@ def test_what_nobody_reviewed_is_accepted_by_somebody_for_a_reason(tmp_path: Pat
     assert (matrix.passes, matrix.verdict) == (True, "pass with reservations")
     assert ("hazard", "H-1") in matrix.unreviewed
     assert f"nobody has reviewed {len(matrix.unreviewed)} things" in matrix.reservations
-    said = hashlib.sha256(b"At a stop. S0 E4 C1 QM").hexdigest()
+    said = hashlib.sha256(b"At a stop. S0 E4 C1 QM rationale: It is soft.").hexdigest()
     (small.root / "requirements" / "assurance.yaml").write_text(READ % said, "utf-8")
     matrix = small.matrix()
     assert ("hazard", "H-1") not in matrix.unreviewed

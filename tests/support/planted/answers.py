@@ -38,9 +38,9 @@ R, V, H, D, A = (
 )
 F = "specs/scenarios/faults.yaml"
 CLOSING = "  - {id: HZ-2, title: A door closes, situation: At a stop., severity: S0, exposure: E4, controllability: C1, asil: QM, rationale: It is soft.}\n"
-REVIEW = "  - id: RV-2\n    of: [{id: S-1, fingerprint: '4e0096ae66101b0d371fb177e09d31c319e5dcb87f97a11781de41228a5c11b7'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
+REVIEW = "  - id: RV-2\n    of: [{id: S-1, fingerprint: 'e2170c78b48f76517eb82d661f903478668ddf28e558c68825098bafc90806f8'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
 ANALYSED = "  - id: RV-3\n    of: [{id: AN-1, fingerprint: '43c60a51f4b963df81ac53acc556cfdaac03c5034bcbf6bc0f3ca6cc827b302e'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
-RATED = "  - id: RV-4\n    of: [{id: HZ-1, fingerprint: '8d46214b2bc7481c26c4593876b96febb903c8a92891596a25d14b1421a39f58'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
+RATED = "  - id: RV-4\n    of: [{id: HZ-1, fingerprint: 'e8b470acd1c4e7332316f91ed94c0a1244a9a08221e41ec9bd4fa63848de28bd'}]\n    by: [P-4]\n    made: 2026-05-01\n    outcome: accepted\n"
 DOORS = (
     "document: requirements\ntitle: Doors\nrequirements:\n"
     "  - id: S-5\n    title: Doors\n    statement: The shuttle shall drive with its doors closed.\n    rationale: Nobody falls out.\n"
@@ -320,6 +320,10 @@ FAULTS = [
     Fault("a requirement that nobody reviewed", all_of(put("requirements/doors.yaml", DOORS.encode()), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods"), accepted(_answers_doors, rehash=True)), "T382", "S-5"),
     Fault("a goal that nobody reviewed", all_of(swap(R, "derived_from: [SH-RO]\n    achieves: [SG-1]", "derived_from: [SH-RO]\n    achieves: [SG-1, SG-2]"), add(H, "  - {id: SG-2, title: Slowly, statement: The shuttle shall not hit anybody hard., prevents: [HZ-1], asil: C, safe_state: at rest, tolerance: 1 s}\n")), "T382", "SG-2"),
     Fault("an analysis that nobody reviewed", swap(A, "reviews:\n", "  - {id: AN-2, title: Braking, method: timing, of: [S-2], by: [P-2], made: 2026-02-11}\nreviews:\n"), "T382", "AN-2"),
+    Fault("the rationale of what was reviewed", swap(R, "rationale: Running into somebody is the harm.", "rationale: None at all."), "T382", "S-3"),
+    Fault("the source of what was reviewed", swap(R, "source: concept of the drive, 4\n", "source: a talk over lunch\n"), "T382", "S-3"),
+    Fault("one more method for what was reviewed", all_of(agreed(_REVIEWED), swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")), "T382", "S-1"),
+    Fault("the rationale of a hazard that was reviewed, accepted", all_of(agreed(swap(A, "works:\n", f"{RATED}works:\n")), agreed(swap(H, "it drives all day;", "it drives on Sundays;"))), "T167", "RV-4", status=0),
     Fault("the text of what was reviewed", swap(R, "keep enough room to stop behind", "keep some metres behind"), "T225", "S-3"),
     Fault("the text of what was reviewed, accepted before it was on the list", all_of(agreed(swap(R, "keep enough room to stop behind", "keep ten metres behind")), accepted(_off("requirement S-3"), rehash=True)), "T382", "S-3"),
     Fault("the document of an analysis that was reviewed", all_of(agreed(_ANALYSED), _SHARED), "T373", "AN-1"),
@@ -329,7 +333,7 @@ FAULTS = [
     Fault("another thing that an indicator counts", swap(A, "title: refused plans", "title: sunny days"), "T376", "SPI-1"),
     Fault("another reason for which a method is not used", _ANOTHER_REASON, "T376", "S-1"),
     Fault("another reason for which a requirement is adopted", all_of(agreed(_ADOPTED), swap(R, "The campus asks for it.", "x")), "T376", "S-1"),
-    Fault("a review with another hash", swap(A, "18334bd78200d831", "18334bd78200d832"), "T376", "RV-1"),
+    Fault("a review with another hash", swap(A, "cc44ee222fd73c84", "cc44ee222fd73c80"), "T376", "RV-1"),
     Fault("reviewed, accepted, and the review struck", all_of(agreed(_REVIEWED), cut(A, "  - id: RV-2\n", "works:\n")), "T376", "RV-2"),
     Fault("a baseline with two contents", remade(BASELINE, lambda data: data.replace(b'"content": {', b'"content": {}, "content": {', 1)), "T220"),
     Fault("an entry struck from the list", accepted(_off("requirement S-1"), rehash=False), "T379"),
@@ -347,6 +351,7 @@ EDITS = [
     Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
     Harmless("a report that may be missing, accepted when nobody was asked for a name", all_of(agreed(all_of(REPORTED, ran("fast"))), accepted(lambda held: held["acceptances"][-1].update(weaker=[one for one in held["acceptances"][-1]["weaker"] if "report" not in one]), rehash=False), committed("report"))),
     Harmless("one more review", _REVIEWED),
+    Harmless("methods of what was reviewed in another order, and another title", all_of(agreed(_REVIEWED), swap(R, "verification: [test, scenario]", "verification: [scenario, test]"), swap(R, "title: Permitted speed", "title: Speed"))),
     Harmless("a review of an analysis", _ANALYSED),
     Harmless("a method that is answered already", swap(R, "verification: [test, scenario]", "verification: [test, boundary test, scenario]")),
     Harmless("a hazard that nobody reviewed, accepted by name", agreed(swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"))),

@@ -45,6 +45,12 @@ _RATED = {
     "hazard": ("severity", "exposure", "controllability", "asil"),
     "safety goal": ("asil", "safe_state", "tolerance"),
 }
+#: And what else is read by whoever judges whether what is demanded, or rated, is right: each by its name, so that nothing moves from the one to the other.
+#: Titles and owners name things and people; links are the baseline's.
+_READ = {
+    "requirement": ("asil", "verification", "source", "adopted", "rationale"),
+    "hazard": ("rationale",),
+}
 
 
 def build(project: Project, spec: Spec, hashes: Hashes, around: Outside | None = None) -> Graph:
@@ -54,14 +60,20 @@ def build(project: Project, spec: Spec, hashes: Hashes, around: Outside | None =
 
 def fingerprint(node: Node) -> str:
     """The fingerprint of what a node says: the engine's or the file's; else the SHA-256 of its statement, situation, description or title, with what hazards
-    and goals are rated as.
+    and goals are rated as, and what else is read of requirements and hazards.
 
-    How the lines of a text are broken does not matter.
+    How the lines of a text are broken does not matter, nor the order of methods.
     """
     said = node.attributes
     texts = (said.get(name, "") for name in ("statement", "situation", "description"))
     text = next(filter(None, texts), node.title)
-    text = "\n".join((text, *(said[name] for name in _RATED.get(node.kind, ()) if name in said)))
+    more = [said[name] for name in _RATED.get(node.kind, ()) if name in said]
+    more += [
+        f"{name}: {', '.join(sorted(said[name].split(', '))) if name == 'verification' else said[name]}"
+        for name in _READ.get(node.kind, ())
+        if said.get(name)
+    ]
+    text = "\n".join((text, *more))
     return said.get("fingerprint") or hashlib.sha256(" ".join(text.split()).encode()).hexdigest()
 
 
