@@ -94,6 +94,7 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "the baseline with the ends of lines of Windows",
         "a report that may be missing, accepted when nobody was asked for a name",
         "an acceptance merged",
+        "less accepted twice, and more again, in one commit",
         "acceptances of two branches, and one more of both",
     ],
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from trackmarshal.trace.baseline import Content, changes
+from trackmarshal.trace.baseline import Content, accepted, changes
 
 STAGES: Content = {"stage S-1": {"counts": ["rule"]}, "stage S-2": {"counts": ["test"]}}
 WHOLE: Content = {f"gate {stage}, covered": {"requirements": ["*"]} for stage in ("S-1", "S-2")}
@@ -126,3 +126,50 @@ def test_what_a_test_comes_to_is_held_from_the_next_acceptance_on(
 ) -> None:
     """Until then what is written of it counts; afterwards it may be written in another way."""
     assert len(weaker(before, now)) == less
+
+
+@pytest.mark.parametrize(
+    "ways",
+    [
+        # What is said is what somebody was told, step by step; less that was accepted may be more again.
+        [{"asil": "D"}, {"asil": "A"}, {"asil": "B"}],
+        [{"asil": "D"}, {"asil": "C"}, {"asil": "A"}],
+        [{"source": "a"}, {"source": "b"}, {"source": "c"}],
+        [{"refines": ["R-1", "R-2"]}, {"refines": ["R-2"]}, {"refines": ["R-3"]}],
+        [{"refines": ["R-1", "R-2"]}, {"refines": ["R-2"]}, {"refines": ["R-2", "R-3"]}],
+    ],
+)
+def test_steps_that_were_accepted_lead_all_the_way(ways: list[dict[str, str | list[str]]]) -> None:
+    steps: list[Content] = [{"requirement R-9": dict(one)} for one in ways]
+    named = [text for before, now in zip(steps, steps[1:]) for text in weaker(before, now)]
+    less = [one for one in changes(steps[0], steps[-1]) if one.weaker]
+    assert less
+    assert all(accepted(one, named) for one in less)
+    assert not any(accepted(one, named[:0]) for one in less)
+
+
+@pytest.mark.parametrize(
+    ("text", "enough"),
+    [
+        ("requirement R-9: its asil changed from D to A", True),
+        ("requirement R-9: its asil changed from D to QM", True),
+        ("requirement R-9: its asil changed from D to B", False),
+        ("requirement R-9: its status changed from approved to A", False),
+        ("requirement R-9: in its refines `R-1` left", False),
+        ("requirement R-9 is gone", True),
+        ("requirement R-90 is gone", False),
+        ("requirement R-9 is new", False),
+    ],
+)
+def test_an_acceptance_says_what_became_less(text: str, enough: bool) -> None:
+    (less,) = changes({"requirement R-9": {"asil": "D"}}, {"requirement R-9": {"asil": "A"}})
+    assert accepted(less, [text]) is enough
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["rule x: its meaning changed", "rule x: it says something else (weaker: 3 of 9 recorded cycles differ)"],
+)
+def test_words_of_earlier_versions_count(text: str) -> None:
+    (less,) = changes({"rule x": {"meaning": "a" * 64}}, {"rule x": {"meaning": "b" * 64}})
+    assert accepted(less, [text])

@@ -386,6 +386,7 @@ def _rewritten(before: Baseline, after: Baseline) -> str | None:
 
 def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change | None:
     """The first change by which something is less and that no acceptance by name tells."""
+    from trackmarshal.trace.baseline import accepted as is_named
     from trackmarshal.trace.sections import lettered
 
     proper = [one for one in accepted if lettered(one.by) and lettered(one.reason)]
@@ -393,11 +394,7 @@ def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change 
     for change in found:
         # What nobody was asked for once, somebody has accepted who gave a name to something.
         by_somebody = change.unasked and bool(proper)
-        if (
-            change.weaker
-            and not by_somebody
-            and not any(said.startswith((f"{change.key}: ", f"{change.key} is ")) for said in named)
-        ):
+        if change.weaker and not by_somebody and not is_named(change, named):
             return change
     return None
 

@@ -103,6 +103,15 @@ def _by_nobody(held: dict[str, Any]) -> None:
     held["acceptances"].append({**held["acceptances"][-1], "by": "", "reason": ""})
 
 
+def _said_otherwise(*texts: str) -> Callable[[dict[str, Any]], None]:
+    """The last acceptance, as if somebody had been told something else."""
+
+    def change(held: dict[str, Any]) -> None:
+        held["acceptances"][-1]["weaker"] = list(texts)
+
+    return change
+
+
 def _claimed_by_nobody(held: dict[str, Any]) -> None:
     """A method that a document is said to answer, in an acceptance that names nobody."""
     held["content"]["evidence docs/planner.md at S-2-A"]["methods"] = ["analysis", "review"]
@@ -287,6 +296,9 @@ FAULTS = [
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
     Fault("a requirement struck with its entry, and something else accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE), "T380", rerun=True),
     Fault("a requirement struck with its entry, and two things accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE, agreed(add("docs/planner.md", "\nmore\n")), committed("more")), "T380", rerun=True),
+    Fault("an acceptance of something else of the same entry", all_of(agreed(swap(V, "{satisfied: 1, violated: 1, boundary: 1}", "{satisfied: 0, violated: 0, boundary: 0}")), accepted(_said_otherwise("project: in its denials nothing of weight changed"), rehash=False)), "T380", rerun=True),
+    Fault("an acceptance of less than was struck", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [review]")), accepted(_said_otherwise("requirement S-1: in its verification `test` left", "unreviewed requirement S-1 is new"), rehash=False)), "T380", rerun=True),
+    Fault("an acceptance of another value", all_of(agreed(swap(V, "{satisfied: 1, violated: 1, boundary: 1}", "{satisfied: 1, violated: 1, boundary: 0}")), accepted(_said_otherwise("project: its boundary tests a rule changed from 2 to 1"), rehash=False)), "T380", rerun=True),
     Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
@@ -349,6 +361,7 @@ EDITS = [
     Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
     Harmless("an acceptance merged", _merged("")),
     Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
+    Harmless("less accepted twice, and more again, in one commit", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [test]")), agreed(swap(V, "boundary: 1", "boundary: 0")), agreed(swap(V, "satisfied: 1, ", "satisfied: 0, ")), committed("less"))),
     Harmless("a report that may be missing, accepted when nobody was asked for a name", all_of(agreed(all_of(REPORTED, ran("fast"))), accepted(lambda held: held["acceptances"][-1].update(weaker=[one for one in held["acceptances"][-1]["weaker"] if "report" not in one]), rehash=False), committed("report"))),
     Harmless("one more review", _REVIEWED),
     Harmless("methods of what was reviewed in another order, and another title", all_of(agreed(_REVIEWED), swap(R, "verification: [test, scenario]", "verification: [scenario, test]"), swap(R, "title: Permitted speed", "title: Speed"))),

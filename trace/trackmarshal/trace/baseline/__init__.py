@@ -3,7 +3,7 @@
 It is a file beside the requirements, written by `accept` only, with who accepted each weakening and why. Additions need no acceptance.
 """
 
-from trackmarshal.trace.baseline.changes import Change, Tell, changes
+from trackmarshal.trace.baseline.changes import Change, Tell, accepted, changes
 from trackmarshal.trace.baseline.check import check
 from trackmarshal.trace.baseline.content import Content, carried, content
 from trackmarshal.trace.baseline.file import DEFAULT, Acceptance, Baseline, accept, load, read
@@ -16,6 +16,7 @@ __all__ = [
     "Content",
     "Tell",
     "accept",
+    "accepted",
     "carried",
     "changes",
     "check",

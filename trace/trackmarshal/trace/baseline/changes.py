@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -70,6 +71,9 @@ _NOT_YET = {
 
 #: How fields begin that say why something is adopted, or a method not used; that it is so, or not any more, is told where it counts.
 _REASONS = ("adopted", "reason against ")
+_QUOTED = re.compile("`([^`]*)`")
+#: What a field that has an order was changed to: an ASIL, a count, a day.
+_LAST = re.compile(r" to ([A-D]|QM|[0-9]+|[0-9]{4}-[0-9]{2}-[0-9]{2})(?: \(|$)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,6 +283,54 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         if (kind, field) == ("test", "text") and before.get(field) == now.get(field):
             told = "what is written of it is the same, and what that stands for is not"
         yield Change(kind, name, field, *shown, weaker, listed, told, bool(why))
+
+
+def accepted(change: Change, texts: Iterable[str]) -> bool:
+    """Whether texts of acceptances say what a change says. Several may have led to it, one after the other, in the words of earlier versions of the program."""
+    own = [text for text in texts if text.startswith((f"{change.key}: ", f"{change.key} is "))]
+    if any(_is(text.removeprefix(change.key), " is gone") for text in own):
+        return bool(change.field) or bool(change.before)  # it may be there again
+    if not change.field:
+        return any(_is(text.removeprefix(change.key), " is new") for text in own)
+    rests = [text.removeprefix(f"{change.key}: ") for text in own]
+    names = "|".join(re.escape(name) for name in {change.field, change.what} - {""})
+    if change.listed:
+        parts = [rest for rest in rests if re.match(f"in its (?:{names}) ", rest)]
+        left = {
+            name for part in parts if " left" in part for name in _QUOTED.findall(part.partition(" left")[0])
+        }
+        came = {name for part in parts for name in _QUOTED.findall(part.rpartition(" left")[2])}
+        fewer = {
+            one for one in _QUOTED.findall(change.before) if _weaker(change.kind, change.field, [one], [])
+        }
+        more = {
+            one
+            for one in _QUOTED.findall(change.after)
+            if change.told or _weaker(change.kind, change.field, [], [one])
+        }
+        return bool(parts) and fewer <= left and more <= came
+    for rest in rests:
+        said = re.match(f"its (?:{names}) changed|it says something else", rest)
+        if said is not None and not rest[said.end() :].startswith(" from "):
+            return True  # of a text, of which there is no more to say
+        if said is None and not (rest.startswith("it was ") and change.field in SAYING):
+            continue
+        last = change.after or "nothing"
+        if _ends(rest, f" to {last}") or _ends(rest, f" is {last}"):
+            return True
+        # Something that was accepted as even less may be more again.
+        if any(not _weaker(change.kind, change.field, value, change.after) for value in _LAST.findall(rest)):
+            return True
+    return False
+
+
+def _is(text: str, said: str) -> bool:
+    """Whether a text is this one, whatever was told beside it."""
+    return text == said or text.startswith(f"{said} (")
+
+
+def _ends(text: str, end: str) -> bool:
+    return text.endswith(end) or f"{end} (" in text
 
 
 def _excuses(kind: str, entry: Entry, methods: bool) -> str:
