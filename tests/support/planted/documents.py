@@ -48,6 +48,15 @@ def another(
     )
 
 
+#: What is said against the argument, and where there is confidence in it.
+ARGUED = put(
+    "requirements/argument.yaml",
+    b"document: argument\ntitle: What is said of it\ndefeaters:\n"
+    b"  - {id: D-1, challenges: S-1, text: Nobody has driven there., evidence: true, owner: P-1, state: answered, answer: Somebody will.}\n"
+    b"confidence:\n  - {id: ACP-1, at: S-1, text: Two people found the same.}\n  - {id: ACP-2, at: S-2, text: The brakes were measured.}\n",
+)
+_ARGUMENT = "requirements/argument.yaml"
+
 # fmt: off
 FAULTS = [
     # 1: ids
@@ -154,6 +163,11 @@ FAULTS = [
     Fault("another reason why an interface is not analysed", swap(M, "The shuttle takes no part.", "x"), "T224", "TP-RO"),
     Fault("another reason why two never meet", all_of(agreed(_APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
+    # 30 and 31: what is said of the argument
+    Fault("why there is confidence in it, said otherwise", all_of(agreed(ARGUED), swap(_ARGUMENT, "Two people found the same.", "Trust us.")), "T376", "ACP-1"),
+    Fault("confidence in something else", all_of(agreed(ARGUED), swap(_ARGUMENT, "id: ACP-1, at: S-1", "id: ACP-1, at: S-3")), "T376", "ACP-1"),
+    Fault("confidence struck", all_of(agreed(ARGUED), cut(_ARGUMENT, "  - {id: ACP-2", "")), "T376", "ACP-2"),
+    Fault("a challenge that is without evidence from now on", all_of(agreed(ARGUED), swap(_ARGUMENT, "evidence: true, ", "")), "T376", "D-1"),
     # 16 and 15: reviews
     Fault("a review by the owner", swap(A, "by: [P-4]", "by: [P-1]"), "T166", "RV-1"),
     Fault("a review of tomorrow", swap(A, "made: 2026-03-01", "made: 2026-06-03"), "T165", "RV-1"),

@@ -23,7 +23,7 @@ _MADE_OF = ("rule", "assumption", "param", "table", "place", "signal")
 #: What the kinds of entries are called.
 _CALLED = {
     "param": "parameter", "place": "place", "evidence": "evidence", "gate": "gate", "project": "project's settings", "external-tests": "count of external tests",
-    "infeasible": "pair without an interface",
+    "infeasible": "pair without an interface", "confidence": "confidence point",
 }  # fmt: skip
 _PLURAL = {
     "evidence": "evidence",
@@ -279,6 +279,9 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     }
     found |= {f"fault {case.campaign} {case.id}": Place(case.campaign, case.line) for case in spec.faults}
     found |= {f"{entry.kind.replace(' ', '-')} {entry.id}": entry.id.place for entry in project.entries}
+    if project.argument is not None:
+        found |= {f"defeater {d.id}": d.id.place for d in project.argument.defeaters}
+        found |= {f"confidence {id_}": id_.place for id_, *_ in project.argument.confidence}
     if project.place:
         found["project"] = project.place
     return found

@@ -154,11 +154,14 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         made = project.argument
         yield "argument", {"templates": _hash(repr(_said((made.top, made.groups, made.templates))))}
         for d in made.defeaters:
-            said = {"challenges": str(d.challenges), "state": d.state, "owner": d.owner}
+            evidence = "yes" if d.evidence else "no"
+            said = {"challenges": str(d.challenges), "state": d.state, "owner": d.owner, "evidence": evidence}
             yield (
                 f"defeater {d.id}",
                 {**said, "text": _hash(d.text), "answer": _hash(d.answer) if d.answer else ""},
             )
+        for id_, at, to, text in made.confidence:
+            yield f"confidence {id_}", {"at": str(at), "to": str(to), "text": _hash(text)}
     for i in project.interfaces:
         flows = [f"{flow.kind}, {flow.initiator}: {' '.join(flow.what.split())}" for flow in i.flows]
         yield f"interface {i.id}", {
