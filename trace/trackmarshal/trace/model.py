@@ -330,9 +330,16 @@ class Project:
 
 @lru_cache(maxsize=4096)
 def _pattern(patterns: tuple[str, ...]) -> re.Pattern[str]:
-    return re.compile(
-        "|".join(".*".join(map(re.escape, pattern.split("*"))) for pattern in patterns), re.DOTALL
-    )
+    return re.compile("|".join(map(_expression, patterns)), re.DOTALL)
+
+
+def _expression(pattern: str) -> str:
+    """A pattern as a regular expression, which takes no longer for more stars: what stands between two is found at the first place where it is, and nowhere else."""
+    first, *rest = map(re.escape, pattern.split("*"))
+    if not rest:
+        return first
+    between = "".join(f"(?>.*?{part})" for part in rest[:-1] if part)
+    return f"{first}{between}.*{rest[-1]}"
 
 
 def matches(name: str, patterns: Iterable[str]) -> bool:
