@@ -133,8 +133,18 @@ def test_results_edited_by_hand_are_found_only_by_running_again(project: Path) -
     assert judged(project, rerun=True)[0] == 1
 
 
-@pytest.mark.parametrize("how", ["a shallow clone", "no git", "never committed"])
-def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("a shallow clone", "the history of the clone is cut"),
+        ("no git", "not a git repository"),
+        ("of somebody else", "detected dubious ownership"),
+        ("never committed", "does not have any commits yet"),
+    ],
+)
+def test_whoever_accepted_the_baseline_is_not_known(
+    how: str, said: str, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A warning of `--rerun`: nothing is wrong, and nothing shows that all is well."""
     match how:
         case "a shallow clone":
@@ -146,12 +156,16 @@ def test_whoever_accepted_the_baseline_is_not_known(how: str, project: Path, tmp
             project = tmp_path / "shallow"
         case "no git":
             shutil.rmtree(project / ".git")
+        case "of somebody else":  # as in a container that checks out as another user than it runs as
+            monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
         case _:
             shutil.rmtree(project / ".git")
             run_git(project, "init", "-q")
     status, found = judged(project, rerun=True)
     assert causes(found) == [("T381", "")]
     assert (status, found[0]["level"]) == (0, "warning")
+    assert said in found[0]["message"]
+    assert ("safe.directory" in found[0]["help"]) == (how == "of somebody else")
 
 
 @pytest.mark.parametrize("way", [["campus"], ["vehicles/one", "vehicles/two"]])

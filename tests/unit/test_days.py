@@ -99,8 +99,20 @@ def test_without_a_commit(robot: Path, tmp_path: Path, monkeypatch: pytest.Monke
     shutil.rmtree(robot.parent / ".git")
     status, _, err = command(robot, "trace", "--day", "commit")
     assert (status, "T348" in err) == (2, True)
+    assert "git: not a git repository" in err
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert "T348" in command(robot, "trace", "--day", "commit")[2]
+    err = command(robot, "trace", "--day", "commit")[2]
+    assert "T348" in err
+    assert "git cannot be run" in err
+
+
+def test_a_repository_that_git_does_not_trust(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a container that checks out as another user than it runs as: what git says, it says with what to do."""
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
+    err = command(robot, "trace", "--day", "commit")[2]
+    assert "T348" in err
+    assert "detected dubious ownership" in err
+    assert "git config --global --add safe.directory" in err
 
 
 @pytest.mark.parametrize("if_there", [True, False])

@@ -14,7 +14,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.cli.git import asking, refused, surroundings
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding
@@ -31,8 +31,8 @@ CODES = {
     ),
     "T381": (
         "nobody knows who accepted the baseline",
-        "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or its history is cut "
-        "(a shallow clone, as continuous integration often makes one).",
+        "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or git refuses to read one of another owner, "
+        "or its history is cut (a shallow clone, as continuous integration often makes one).",
     ),
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
@@ -164,13 +164,10 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             ),
         ]
         versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
-    except (OSError, subprocess.SubprocessError):
-        yield warning(
-            "T381",
-            "who accepted the baseline is not known: the project is in no git repository",
-            place,
-            "put it under version control",
-        )
+    except (OSError, subprocess.SubprocessError) as problem:
+        why, help_ = refused(problem)
+        message = f"who accepted the baseline is not known: {why}"
+        yield warning("T381", message, place, help_ or "put it under version control, and commit it")
         return
     if not versions[1:]:
         yield warning(

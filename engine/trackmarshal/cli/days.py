@@ -6,7 +6,7 @@ import subprocess
 from datetime import date, timedelta
 from pathlib import Path
 
-from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.cli.git import asking, refused, surroundings
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -46,9 +46,12 @@ def _of_commit(root: Path) -> str:
         said = subprocess.run(
             command, capture_output=True, text=True, check=True, timeout=20, env=surroundings()
         ).stdout.split()
-    except (OSError, subprocess.SubprocessError):
+    except (OSError, subprocess.SubprocessError) as problem:
+        why, help_ = refused(problem)
         raise TrackmarshalError(
-            "T348", "there is no commit whose day it could be", help="name a day, `--day 2026-01-31`"
+            "T348",
+            f"there is no commit whose day it could be: {why}",
+            help=help_ or "name a day, `--day 2026-01-31`",
         ) from None
     latest = (date.today() + timedelta(days=1)).isoformat()  # where the committer was, it may be tomorrow
     if said[0] > latest:

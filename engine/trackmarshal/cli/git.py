@@ -4,6 +4,7 @@ counted of the commits before, another repository that the environment names."""
 from __future__ import annotations
 
 import os
+import subprocess
 from pathlib import Path
 
 #: Variables that lead git elsewhere than to the repository around a folder; hooks of git set some for their own.
@@ -27,7 +28,22 @@ def surroundings() -> dict[str, str]:
     """The environment to ask it in."""
     kept = {name: value for name, value in os.environ.items() if name not in _ELSEWHERE}
     # A file that there cannot be: of one that is there, git says each time that grafts are of the past.
-    return {**kept, "GIT_GRAFT_FILE": os.path.join(os.devnull, "none")}
+    return {**kept, "GIT_GRAFT_FILE": os.path.join(os.devnull, "none"), "LC_ALL": "C"}
 
 
-__all__ = ["asking", "surroundings"]
+def refused(problem: OSError | subprocess.SubprocessError) -> tuple[str, str]:
+    """Why git gave no answer, in its own words: what is wrong, and what it says can be done about that; empty where it says nothing of it."""
+    if isinstance(problem, OSError):
+        return f"git cannot be run: {problem.strerror or type(problem).__name__}", "install git"
+    if not isinstance(problem, subprocess.CalledProcessError):
+        return "git does not answer in time", ""
+    told = problem.stderr or ""
+    lines = [
+        line.strip()
+        for line in (told if isinstance(told, str) else told.decode("utf-8", "replace")).split("\n")
+    ]
+    what, *more = [line for line in lines if line] or ["it says nothing"]
+    return f"git: {what.removeprefix('fatal: ')}", " ".join(more)
+
+
+__all__ = ["asking", "refused", "surroundings"]

@@ -151,7 +151,7 @@ def _bytes(project: Path, *arguments: str, name: str) -> bytes:
         asking(project, *arguments),
         capture_output=True,
         check=False,
-        env={**surroundings(), "LC_ALL": "C"},
+        env=surroundings(),
     )
     if done.returncode:
         said = done.stderr.decode("utf-8", "replace").strip()
