@@ -33,6 +33,7 @@ from support.planted.edits import (
 )
 from support.planted.project import causes, judged, make
 from support.project import command
+from trackmarshal.cli import acceptances
 
 FAULTS = [*documents.FAULTS, *specs.FAULTS, *evidence.FAULTS, *answers.FAULTS]
 EDITS = [*harmless.EDITS, *answers.EDITS]
@@ -166,6 +167,18 @@ def test_whoever_accepted_the_baseline_is_not_known(
     assert (status, found[0]["level"]) == (0, "warning")
     assert said in found[0]["message"]
     assert ("safe.directory" in found[0]["help"]) == (how == "of somebody else")
+
+
+@pytest.mark.parametrize(("number", "told"), [(4, []), (3, [("T381", "")])])
+def test_versions_that_are_not_looked_at_are_told(
+    number: int, told: list[tuple[str, str]], project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first one, and three more: what is older than those that are looked at, nobody knows."""
+    monkeypatch.setattr(acceptances, "MOST", number)
+    for line in "one", "two", "three":
+        all_of(agreed(add("docs/planner.md", f"\n{line}\n")), committed(line))(project)
+    status, found = judged(project, rerun=True)
+    assert (status, causes(found)) == (0, told)
 
 
 @pytest.mark.parametrize("way", [["campus"], ["vehicles/one", "vehicles/two"]])

@@ -10,6 +10,7 @@ import json
 import posixpath
 import subprocess
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli.git import asking, refused, surroundings
 
 if TYPE_CHECKING:
-    from trackmarshal.trace import Finding
+    from trackmarshal.trace import Finding, Place
     from trackmarshal.trace.baseline import Acceptance, Change
     from trackmarshal.trace.baseline.file import Baseline
 
@@ -32,7 +33,7 @@ CODES = {
     "T381": (
         "nobody knows who accepted the baseline",
         "People sign acceptances through version control, and it cannot be asked: the project is not in a git repository, or git refuses to read one of another owner, "
-        "or its history is cut (a shallow clone, as continuous integration often makes one).",
+        "or its history is cut (a shallow clone, as continuous integration often makes one). Or the baseline has more than 1,000 versions: those before are not looked at.",
     ),
 }  # fmt: skip
 #: Where the V-model says which file is the baseline.
@@ -41,8 +42,8 @@ _MODEL = "requirements/v-model.yaml"
 _NO_FILE = frozenset({b"dangling", b"symlink", b"loop", b"notdir"})
 #: Entries by which a project is known again in another folder.
 _OF_ITS_OWN = ("requirement ", "rule ", "assumption ", "test ", "interface ")
-#: So many versions are looked at.
-_MOST = 200
+#: So many versions are looked at: each may have megabytes.
+MOST = 1_000
 
 
 def check(root: Path, baseline: str) -> Iterator[Finding]:
@@ -72,7 +73,7 @@ def _merged(root: Path, baseline: str) -> Iterator[Finding]:
     from trackmarshal.trace.findings import Place, error
 
     now = _held((root / baseline).read_bytes())
-    commits, named = _versions(root, baseline, along=False)
+    commits, named, whole = _versions(root, baseline, along=False)
     held = [(commit, _held(_version(root, commit, named[commit]))) for commit in commits if commit in named]
     lines = {one.acceptances: (commit, one) for commit, one in reversed(held) if one is not None}
     for line, (commit, one) in lines.items():
@@ -84,6 +85,15 @@ def _merged(root: Path, baseline: str) -> Iterator[Finding]:
             message = f"what was accepted in commit {commit[:12]} was merged, and dropped: nobody is named who accepted that {lost}"
             yield error("T380", message, Place(baseline), _restored(commit, named[commit], baseline))
             return
+    if not whole:
+        yield _older(Place(baseline))
+
+
+def _older(place: Place) -> Finding:
+    from trackmarshal.trace.findings import warning
+
+    message = f"who accepted the baseline before its last {MOST} versions is not known: no more are looked at"
+    return warning("T381", message, place, "whoever reads the history looks at what is older")
 
 
 def _goes_on(line: tuple[Acceptance, ...], from_: tuple[Acceptance, ...]) -> bool:
@@ -91,16 +101,18 @@ def _goes_on(line: tuple[Acceptance, ...], from_: tuple[Acceptance, ...]) -> boo
     return line != from_ and line[: len(from_)] == from_
 
 
-def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[str, str]]:
-    """The commits that changed the baseline, the last one first, and by commit the file that it is there: along the first parents, or beside them, on branches that were merged."""
+def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[str, str], bool]:
+    """The commits that changed the baseline, the last one first, by commit the file that it is there, and whether these are all: along the first parents, or beside them, on branches that were merged."""
     homes = _homes(root)
-    moved = _moved(root, baseline, homes)
+    changed = _log(root, _models(root, homes))
+    moved = _moved(root, baseline, homes, changed)
     files = [*_models(root, homes), *moved] if moved else [baseline]
-    commits = _log(root, files, "--first-parent")
+    found = _log(root, files, "--first-parent" if along else "--full-history")
+    commits, whole = found[:MOST], max(len(found), len(changed)) <= MOST
     if not along:
         first = set(_git(root, "rev-list", "--first-parent", "HEAD").split())
-        commits = [commit for commit in _log(root, files, "--full-history") if commit not in first]
-    return commits, _named(root, commits, homes) if moved else dict.fromkeys(commits, baseline)
+        commits = [commit for commit in commits if commit not in first]
+    return commits, _named(root, commits, homes) if moved else dict.fromkeys(commits, baseline), whole
 
 
 def _homes(root: Path) -> list[str]:
@@ -153,7 +165,7 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
     path = root / baseline
     place = Place(baseline)
     try:
-        commits, named = _versions(root, baseline, along=True)
+        commits, named, whole = _versions(root, baseline, along=True)
         cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
         versions = [
             ("", _in_lines(path.read_bytes())),
@@ -165,8 +177,8 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         ]
         versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
     except (OSError, subprocess.SubprocessError) as problem:
-        why, help_ = refused(problem)
-        message = f"who accepted the baseline is not known: {why}"
+        refusal, help_ = refused(problem)
+        message = f"who accepted the baseline is not known: {refusal}"
         yield warning("T381", message, place, help_ or "put it under version control, and commit it")
         return
     if not versions[1:]:
@@ -219,6 +231,8 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             place,
             "`git fetch --unshallow`",
         )
+    elif not whole:
+        yield _older(place)
 
 
 def _restored_and_accepted(versions: list[tuple[str, bytes]], number: int, after: Baseline) -> int | None:
@@ -260,8 +274,8 @@ def _restored(commit: str, was: str, baseline: str) -> str:
 
 
 def _log(root: Path, files: list[str], how: str = "--first-parent") -> list[str]:
-    """The commits that changed files, the last one first."""
-    return _git(root, "log", how, f"--max-count={_MOST}", "--format=%H", "--", *files).split()
+    """The commits that changed files, the last one first, and no more than one beyond those that are looked at."""
+    return _git(root, "log", how, f"--max-count={MOST + 1}", "--format=%H", "--", *files).split()
 
 
 def _models(root: Path, homes: Sequence[str] = (".",)) -> list[str]:
@@ -272,9 +286,8 @@ def _models(root: Path, homes: Sequence[str] = (".",)) -> list[str]:
     return list(dict.fromkeys([*there, *([target.relative_to(root.resolve()).as_posix()] if inside else [])]))
 
 
-def _moved(root: Path, baseline: str, homes: Sequence[str]) -> list[str]:
-    """All files that the V-model named as its baseline at some time, where it is not this one alone."""
-    changed = _log(root, _models(root, homes))
+def _moved(root: Path, baseline: str, homes: Sequence[str], changed: Sequence[str]) -> list[str]:
+    """All files that the V-model, which these commits changed, named as its baseline at some time, where it is not this one alone."""
     asked = ["HEAD", *changed, *(f"{commit}^" for commit in changed)]
     named = {*_named(root, asked, homes).values(), baseline}
     return sorted(named) if len(named) > 1 else []
@@ -354,6 +367,7 @@ def _git(root: Path, *words: str) -> str:
     return done.stdout
 
 
+@lru_cache(maxsize=8)  # each is asked for as what came before one version and after another
 def _held(data: bytes) -> Baseline | None:
     """What a version holds, with its acceptances; None for what is no baseline of today's format."""
     from trackmarshal.trace.baseline.file import checked
