@@ -19,6 +19,7 @@ from support.planted.edits import (
     copied,
     cut,
     entry,
+    git,
     gone,
     moved,
     put,
@@ -62,12 +63,13 @@ REPORTED = all_of(
 )
 
 
-def ran(*names: str) -> Edit:
-    """What another runner found of tests of two requirements, all of which passed."""
+def ran(*names: str, skipped: str = "") -> Edit:
+    """What another runner found of tests of two requirements, all of which passed; and of one that names none, and was skipped."""
     tests = "".join(
         f'<testcase classname="drive" name="{name}"><properties><property name="verifies" value="S-1, S-2"/></properties></testcase>'
         for name in names
     )
+    tests += f'<testcase classname="drive" name="{skipped}"><skipped/></testcase>' if skipped else ""
     return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
 
 
@@ -159,6 +161,12 @@ def _tool(said: dict[str, Any]) -> None:
     said["inputs"]["engine"] = "0" * 64
 
 
+def _accepted_by_nobody(root: Path) -> None:
+    """What is there is accepted by somebody, who is struck from that afterwards."""
+    agreed(lambda _: None)(root)
+    accepted(lambda held: held["acceptances"][-1].update(by="", reason="", weaker=[]), rehash=False)(root)
+
+
 # fmt: off
 FAULTS = [
     # the gate and its stages
@@ -204,6 +212,8 @@ FAULTS = [
     Fault("results of a closed loop edited", all_of(put("docs/loop.json", b"{}"), agreed(swap(V, "  campaigns:", "  closed_loop: docs/loop.json\n  campaigns:")), put("docs/loop.json", b"[]")), "T371"),
     # tests of another runner
     Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("a test of another runner that names its requirements no more, and another one that does", all_of(REPORTED, agreed(ran("fast", "slow[1]")), ran("fast", "easy", skipped="slow[1]")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("tests of another runner that name their requirements no more, accepted by nobody", all_of(REPORTED, agreed(ran("fast", "slow")), git("add", "."), committed("report"), ran("fast", "easy", skipped="slow"), _accepted_by_nobody), "T380", rerun=True),
     Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),
     Fault("a test of another runner that is not in the folder of reports any more, however that is written", all_of(_FOLDER, agreed(_ran("fast", "slow")), _ran("fast")), "T221", "S-1 in ./out//reports at S-3-B"),
     Fault("a report of another runner struck", all_of(REPORTED, agreed(ran("fast")), swap(V, f"  junit: [{{path: {REPORT}, stage: S-3-B, tool: ctest, if_there: true}}]\n", "")), "T373", f"{REPORT} at S-3-B"),

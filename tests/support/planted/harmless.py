@@ -151,6 +151,7 @@ EDITS = [
         b'test no_reverse "back"\n  given  plan = { v: [1 m/s, -1 m/s] }\n  expect violated\n'))),
     Harmless("one more test", add(S, '\ntest braking "soft"\n  given  plan = { v: [5 m/s, 4 m/s], a: [-2 m/s^2, 0 m/s^2] }\n  expect satisfied\n')),
     Harmless("tests of another runner, with other names and parameters", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("faster", "slow[3]", "slower"))),
+    Harmless("a test of another runner more, and one beside it that names nothing", all_of(REPORTED, agreed(ran("fast", skipped="idle")), ran("fast", "slow", skipped="idle"))),
     # around it
     Harmless("no results yet", gone("out")),
     Harmless("a folder without git", gone(".git")),

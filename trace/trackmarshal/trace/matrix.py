@@ -151,7 +151,8 @@ def assemble(
     asking = schema.Asking(graph, project)
     cells = _cells(Ground(project, spec, hashes, graph, around), excuses)
     content = baselines.content(project, spec, hashes, graph, around)
-    content = baselines.carried({} if baseline is None else baseline.content, content)
+    there = baselines.reported(project, around)
+    content = baselines.carried({} if baseline is None else baseline.content, content, there)
     loose = [
         *consistency.check(project),
         *consistency.recordings(project, hashes),

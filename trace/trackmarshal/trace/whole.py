@@ -118,4 +118,7 @@ def accept_baseline(
     hashes = _files.hashes(project_root, project, spec.items)
     around = _outside.load(project_root, project, spec.items, [])
     now = _baseline.content(project, spec, hashes, _build_graph(project, spec, hashes, around), around)
-    return _baseline.accept(project_root, project, now, by, reason, today or date.today(), tell, engine)
+    there = _baseline.reported(project, around)
+    return _baseline.accept(
+        project_root, project, now, by, reason, today or date.today(), tell, engine, there
+    )

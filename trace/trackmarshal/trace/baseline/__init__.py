@@ -5,7 +5,7 @@ It is a file beside the requirements, written by `accept` only, with who accepte
 
 from trackmarshal.trace.baseline.changes import Change, Tell, accepted, changes
 from trackmarshal.trace.baseline.check import check
-from trackmarshal.trace.baseline.content import Content, carried, content
+from trackmarshal.trace.baseline.content import Content, carried, content, reported
 from trackmarshal.trace.baseline.file import DEFAULT, Acceptance, Baseline, accept, load, read
 
 __all__ = [
@@ -23,4 +23,5 @@ __all__ = [
     "content",
     "load",
     "read",
+    "reported",
 ]

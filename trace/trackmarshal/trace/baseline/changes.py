@@ -7,7 +7,15 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from trackmarshal.trace.baseline.content import UNKNOWN, UNREVIEWED, WORKED_OUT, Content, Entry, Value
+from trackmarshal.trace.baseline.content import (
+    UNKNOWN,
+    UNMARKED,
+    UNREVIEWED,
+    WORKED_OUT,
+    Content,
+    Entry,
+    Value,
+)
 
 ASILS = ("QM", "A", "B", "C", "D")
 
@@ -22,7 +30,7 @@ _FEWER = {
 #: Fields of which an element more is a weakening: each is one more thing that is excused.
 _MORE = {
     ("requirement", "not_verified_by"), ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
-    ("evidence", "unnamed"),
+    ("evidence", "unnamed"), ("external-tests", UNMARKED),
 }  # fmt: skip
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {
@@ -34,6 +42,7 @@ _SILENT = {
     ("limit", "shown"),
     ("rule", "reads"),
     ("assumption", "reads"),
+    ("external-tests", "tests"),
 }
 
 #: What entries of demands of the gate begin with.

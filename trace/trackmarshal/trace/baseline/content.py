@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
+from trackmarshal.records import ExternalTest
 from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes, naming
 from trackmarshal.trace.findings import Place
@@ -17,7 +18,7 @@ from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.conditions import in_si
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.reviewed import unreviewed
-from trackmarshal.trace.model import Project
+from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
 
@@ -36,6 +37,8 @@ _OWN_VALUES = ["the values of its specs"]
 WORKED_OUT = ", worked out"
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
+#: Those of them that name the requirement no more.
+UNMARKED = "no longer naming it"
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
 #: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
 _NAMED = ("person", "indicator", "malfunction", "method", "work")
@@ -60,11 +63,20 @@ def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph, outside:
     return dict(sorted(found.items()))
 
 
-def carried(before: Content, now: Content) -> Content:
-    """What there is now, with what was accepted where nobody knows what there is: of reports of other runners that were not read, such as in a fresh checkout, and of what scenarios are replayed with where they are not."""
+def carried(before: Content, now: Content, there: Mapping[str, frozenset[str]]) -> Content:
+    """What there is now, with what was accepted where nobody knows what there is: of reports of other runners that were not read, such as in a fresh checkout, and of what scenarios are replayed with where they are not.
+
+    there: `reported`. A test that a requirement had, and that is still in its report, was not renamed: it names the requirement no more.
+    """
     now = {
         key: _known(entry, before.get(key, {})) if UNKNOWN in entry.values() else entry
         for key, entry in now.items()
+    }
+    now |= {
+        key: {**entry, UNMARKED: left}
+        for key, entry in now.items()
+        if key.startswith(_EXTERNAL)
+        and (left := _unmarked(before.get(key, {}), entry, there.get(_report(key))))
     }
     read = {_report(key) for key in now if key.startswith(_EXTERNAL)}
     kept = {
@@ -86,20 +98,48 @@ def _report(key: str) -> str:
     return f"report {key.partition(' in ')[2]}"
 
 
+def _unmarked(before: Entry, now: Entry, there: frozenset[str] | None) -> list[str]:
+    """The tests that named a requirement when it was accepted, and do not any more though they are there."""
+    known = {name for field in ("tests", UNMARKED) for name in before.get(field, ())}
+    return sorted((known - {*now.get("tests", ())}) & (there or frozenset()))
+
+
+def reported(project: Project, outside: Outside) -> dict[str, frozenset[str]]:
+    """By report of another runner all tests in it, whatever they name."""
+    return {
+        f"report {report.path} at {report.stage}": frozenset(map(_called, _in(report, outside)))
+        for report in project.junit
+    }
+
+
+def _in(report: TestReport, outside: Outside) -> Iterator[ExternalTest]:
+    """The tests of a report, or of the reports in a folder."""
+    path = posixpath.normpath(report.path)  # files of a folder are named so, however it is written
+    for test, stage, _ in outside.tests:
+        if stage == report.stage and (
+            test.report in (report.path, path) or test.report.startswith(f"{path}/")
+        ):
+            yield test
+
+
+def _called(test: ExternalTest) -> str:
+    """A test without its parameters."""
+    return f"{test.suite}: {_PARAMETERS.sub('', test.name)}"
+
+
 def _external(project: Project, outside: Outside) -> Iterator[tuple[str, Entry]]:
-    """How many tests of other runners show something of a requirement, by the report that they are in: tests get other names, and are parametrized otherwise."""
+    """The tests of other runners that show something of a requirement, by the report that they are in, and how many: tests get other names, and are parametrized otherwise."""
     for report in project.junit:
-        path = posixpath.normpath(report.path)  # files of a folder are named so, however it is written
-        named: dict[str, set[tuple[str, str]]] = defaultdict(set)
-        for test, stage, _ in outside.tests:
-            if stage == report.stage and (
-                test.report in (report.path, path) or test.report.startswith(f"{path}/")
-            ):
-                for id_ in test.requirements:
-                    named[id_].add((test.suite, _PARAMETERS.sub("", test.name)))
+        named: dict[str, set[str]] = defaultdict(set)
+        for test in _in(report, outside):
+            for id_ in test.requirements:
+                named[id_].add(_called(test))
         for id_, tests in named.items():
             if id_ in project.by_id and project.by_id[id_].demanded:
-                yield f"{_EXTERNAL}{id_} in {report.path} at {report.stage}", {"number": str(len(tests))}
+                yield (
+                    f"{_EXTERNAL}{id_} in {report.path} at {report.stage}",
+                    {"number": str(len(tests)), "tests": sorted(tests)},
+                )
 
 
 def _both(one: Entry, other: Entry) -> Entry:

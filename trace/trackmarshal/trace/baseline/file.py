@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import date
 from pathlib import Path
@@ -53,10 +54,11 @@ def accept(
     today: date,
     tell: Tell | None = None,
     engine: str = "",
+    there: Mapping[str, frozenset[str]] | None = None,
 ) -> tuple[Path, list[str]]:
     """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
 
-    tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read, T379 for one that was changed by hand.
+    there: all tests of other runners by report, as `carried` takes them. tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read, T379 for one that was changed by hand.
     """
     found: list[Finding] = []
     path = root / (project.baseline or DEFAULT)
@@ -65,7 +67,7 @@ def accept(
         raise TrackmarshalError(
             finding.code, finding.message, file=finding.place and finding.place.file, help=finding.help
         )
-    now = carried({} if before is None else before.content, now)
+    now = carried({} if before is None else before.content, now, there or {})
     weaker = (
         []
         if before is None

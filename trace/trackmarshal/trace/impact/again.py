@@ -52,7 +52,7 @@ def tasks(before: Version, now: Version, hit: Collection[Key], baseline: Baselin
             yield task
     if baseline is not None:
         weaker = [
-            one for one in changes(baseline.content, carried(baseline.content, now.content)) if one.weaker
+            one for one in changes(baseline.content, carried(baseline.content, now.content, {})) if one.weaker
         ]
         if weaker:
             said = "1 change" if len(weaker) == 1 else f"{len(weaker)} changes"
