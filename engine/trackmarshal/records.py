@@ -392,7 +392,9 @@ class FaultCase:
     fingerprint: str  #: sha256 of all that its outcome depends on; empty when that is not known
     open: str = ""  #: why it cannot be put in
     says: str = ""  #: sha256 of what is put in, when, and what is expected
-    begin: float | None = None  #: the first cycle that is changed, s; None where it is not put in
+    begin: float | None = (
+        None  #: the first cycle that is changed, s; None where it is not put in, or changes nothing
+    )
 
     def to_json(self) -> dict[str, Any]:
         return {

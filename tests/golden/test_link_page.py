@@ -150,8 +150,9 @@ def test_a_project_has_methods_and_reviews_of_its_own(tmp_path: Path) -> None:
     ]  # fmt: skip
     needs = root / "requirements" / "needs.yaml"
     text = needs.read_text("utf-8")
-    for word, found in (("wind tunnel", ("T255", "SYS-1:wind tunnel")), ("review", ("T123", None))):
-        needs.write_text(text.replace("verification: [test]", f"verification: [test, {word}]", 1), "utf-8")
+    for word, found in (("wind tunnel", ("T255", "SYS-2:wind tunnel")), ("review", ("T123", None))):
+        first, second, rest = text.split("verification: [test]", 2)  # nobody has reviewed the second one
+        needs.write_text(f"{first}verification: [test]{second}verification: [test, {word}]{rest}", "utf-8")
         status, out, _ = command(root, "trace", "--gate", "--format", "json")
         assert [(f["code"], f["subject"]) for f in json.loads(out)["findings"] if f["level"] != "note"] == [
             found

@@ -132,7 +132,7 @@ def gaps(root: Path) -> set[str]:
     """Codes of errors, apart from those that are about runs, documents and source code, which this test does not make."""
     project, _ = trace.load(ROOT)
     demanded = [str(r.id) for r in project.requirements if r.demanded]
-    faults = [FaultCase("f", name, "", name, 1, "f") for name in demanded]
+    faults = [FaultCase("f", name, "", name, 1, "f", begin=0.0) for name in demanded]
     found = [FaultResult("f", name, "passed", "f") for name in demanded]
     matrix = trace.build(root, *invented(), [], date(2026, 11, 23), fault_cases=faults, fault_results=found)
     return {

@@ -84,7 +84,7 @@ def prepare(root: Path, project: Project, broken: bool, shared: Known) -> list[P
 def cases(prepared: list[Prepared]) -> list[FaultCase]:
     """Every declared fault."""
     return [
-        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open, fault.says, None if fault.open else fault.begin)
+        FaultCase(each.shown, fault.id, fault.title, fault.requirement, fault.line, each.fingerprint(number), fault.open, fault.says, None if fault.open or not fault.changes else fault.begin)
         for each in prepared
         for number, fault in enumerate(each.campaign.faults)
     ]  # fmt: skip

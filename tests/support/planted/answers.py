@@ -327,6 +327,7 @@ FAULTS = [
     Fault("a phrase of the project struck", all_of(agreed(_OWN), swap(V, _OWN_WORDS, "")), "T371"),
     Fault("a phrase that is none", swap(V, "  campaigns:", "  denials: ['|']\n  campaigns:"), "T124"),
     Fault("a method of another name", swap(R, "verification: [test, scenario]", "verification: [test, scenarios]"), "T123"),
+    Fault("a fault that changes nothing, for faults that are put in", all_of(swap(R, "verification: [test, scenario]", "verification: [test, scenario, fault injection]"), add(F, "  - id: F-3\n    title: Nothing at all\n    requirement: S-1\n    begin: 0.1\n    end: 0.2\n    change: []\n    expect: {}\n")), "T255", "S-1:fault injection"),
     # reviews: the list is closed
     Fault("a hazard that nobody reviewed", swap(H, "safety_goals:\n", f"{CLOSING}safety_goals:\n"), "T382", "HZ-2"),
     Fault("a requirement that nobody reviewed", all_of(put("requirements/doors.yaml", DOORS.encode()), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-5], methods"), accepted(_answers_doors, rehash=True)), "T382", "S-5"),

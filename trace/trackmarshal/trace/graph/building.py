@@ -239,7 +239,11 @@ class _Building:
             self._node("run", run.scenario, "", None, attributes)
         for case in self.spec.faults:
             status, _ = faults.verdict(case, self.spec)
-            attributes = {"campaign": case.campaign, "outcome": "open" if case.open else status}
+            attributes = {
+                "campaign": case.campaign,
+                "outcome": "open" if case.open else status,
+                "put_in": "no" if case.begin is None else "yes",
+            }
             put_in = self.spec.fault_results.get((case.campaign, case.id))
             if put_in is not None:
                 attributes["sha256"] = _record(put_in)
