@@ -109,6 +109,7 @@ FAULTS = [
     Fault("an unknown parent", swap(R, "refines: [S-3]\n    allocated_to: [DE-2]", "refines: [S-7]\n    allocated_to: [DE-2]"), "T137", "S-31"),
     Fault("an issue struck whose requirement another one leads to", all_of(agreed(swap(M, SLIDES[0], SLIDES[1])), swap(M, SLIDES[1], SLIDES[0])), "T224", "SH-RO.2"),
     Fault("an issue made harmless", swap(M, "It is faster than the avenue is laid out for.", "Nothing much happens there."), "T224", "SH-RO.1"),
+    Fault("an issue that is still to be written", swap(M, "text: It is faster than the avenue is laid out for.", "text: TODO"), "T126"),
     Fault("an issue that leads to nothing", swap(M, "leads_to: [S-1]", "leads_to: [S-11]"), "T137", "SH-RO.1"),
     Fault("an issue that leads nowhere", swap(M, "leads_to: [S-1]", "leads_to: []"), "T134", "SH-RO.1"),
     Fault("a page that is a link to itself", all_of(gone("docs/planner.md"), _circle), "T250", "docs/planner.md"),

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from trackmarshal.trace.model import Entry, Project
+from trackmarshal.trace.shapes import put_off
 from trackmarshal.trace.values import Placed
 
 _HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
@@ -22,8 +23,6 @@ _POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
 _FRONT = re.compile(r"\A---\n.*?\n---(\n|\Z)", re.DOTALL)
 #: What a link leads to, in a line of its own.
 _LINK = re.compile(r"[ ]{0,3}\[[^\]]+\]:.*")
-#: All that a document says whose writing was put off.
-_PUT_OFF = frozenset({"todo", "tbd", "tba", "tbc", "fixme"})
 #: Larger documents are read by nobody; they have no sections here.
 LARGEST = 16_000_000
 
@@ -40,7 +39,7 @@ def silent(document: bytes, markdown: bool = False) -> bool:
     if text is None:
         return False
     said = "".join(filter(_legible, _below(text) if markdown else text))
-    return not said or said.lower() in _PUT_OFF
+    return not said or put_off(said)
 
 
 def _below(text: str) -> str:

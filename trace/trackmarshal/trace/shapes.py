@@ -18,6 +18,14 @@ PATH = r"(?!/)(?!(.*/)?\.\.(/|$))[^\\:]*[^\\:/\s]"
 HASH = r"[0-9a-f]{64}"
 ASIL = r"(QM|[ABCD])(\((QM|[ABCD])\))?"
 
+#: All that somebody wrote whose writing was put off.
+_PUT_OFF = frozenset({"todo", "tbd", "tba", "tbc", "fixme"})
+
+
+def put_off(text: str) -> bool:
+    """Whether a text says no more than that it is still to be written, whatever marks stand around that."""
+    return len(text) < 100 and "".join(filter(str.isalnum, text)).lower() in _PUT_OFF
+
 
 @dataclass(frozen=True, slots=True)
 class Text:

@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
-from trackmarshal.trace.shapes import Count, Date, Flag, Many, Pairs, Record, Shape, Text, Word
+from trackmarshal.trace.shapes import Count, Date, Flag, Many, Pairs, Record, Shape, Text, Word, put_off
 from trackmarshal.trace.tree import Listing, Mapping, Node, Refused, Scalar
 
 
@@ -146,6 +146,10 @@ class Reader:
         kind = resolved(node)
         if kind == "str" and node.text and not node.text.isspace():  # as nearly all of them
             said = node.text if shape.pattern else node.text.strip()
+            if not shape.pattern and put_off(said):
+                message = f"{called} says no more than `{said}`"
+                self._found.append(error("T126", message, self.place(node), "write what it is to say"))
+                return None
             if shape.fits(said):
                 return Placed.at(said, Place(self._file, node.line, node.column))
         if kind == "null" or (kind == "str" and not node.text.strip()):
