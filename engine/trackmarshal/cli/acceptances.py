@@ -103,7 +103,7 @@ def _goes_on(line: tuple[Acceptance, ...], from_: tuple[Acceptance, ...]) -> boo
 
 def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[str, str], bool]:
     """The commits that changed the baseline, the last one first, by commit the file that it is there, and whether these are all: along the first parents, or beside them, on branches that were merged."""
-    homes = _homes(root)
+    homes = _homes(root, baseline)
     changed = _log(root, _models(root, homes))
     moved = _moved(root, baseline, homes, changed)
     files = [*_models(root, homes), *moved] if moved else [baseline]
@@ -115,22 +115,25 @@ def _versions(root: Path, baseline: str, along: bool) -> tuple[list[str], dict[s
     return commits, _named(root, commits, homes) if moved else dict.fromkeys(commits, baseline), whole
 
 
-def _homes(root: Path) -> list[str]:
+def _homes(root: Path, baseline: str) -> list[str]:
     """The folders of the repository that the project was in, from its own, this one first: those whose V-model is gone, and that held most of what is held here since the first acceptance.
 
     A project that was copied has its own history where what it was copied from is still there.
     """
     gone = _gone(root)
-    own = _log(root, _models(root)) if gone else []
-    first = next((one for one in reversed(own) if one in _named(root, [one])), "")
-    held = _at(root, first, ".") if first else None
+    own = reversed(_log(root, [*_models(root), baseline])) if gone else ()
+    held = next(filter(None, (_at(root, commit, ".") for commit in own)), None)
     found = ["."]
     for home, commit in gone.items() if held is not None else ():
-        before = _at(root, f"{commit}^", home)
+        # A baseline that was taken away first is missed all the same.
+        were = _git(
+            root, "log", "--first-parent", f"--max-count={MOST}", "--format=%H", f"{commit}^", "--", home
+        ).split()
+        before = next(filter(None, (_at(root, one, home) for one in were)), None)
         names = set() if before is None else {key for key in before.content if key.startswith(_OF_ITS_OWN)}
         if held is not None and len(names & held.content.keys()) * 2 > len(names):
             found.append(home)
-    return list(dict.fromkeys(found))
+    return found
 
 
 def _gone(root: Path) -> dict[str, str]:

@@ -290,6 +290,8 @@ FAULTS = [
     Fault("another folder of the repository, and a baseline that begins anew there", _from_a_folder(_LESS_ANEW), "T380", rerun=True),
     Fault("another folder of the repository, the project removed in a commit before", _from_a_folder(gone(*_PARTS), all_of(git("checkout", "-q", "HEAD~1", "--", "campus"), *(moved(f"campus/{part}", part) for part in _PARTS), _LESS_ANEW)), "T380", rerun=True),
     Fault("another folder of the repository, the project removed in a commit afterwards", _from_a_folder(_LESS_ANEW, gone("campus"), whole=False), "T380", rerun=True),
+    Fault("another folder of the repository, the baseline removed in a commit before", _from_a_folder(gone("campus/" + BASELINE, *_PARTS), all_of(*(moved(f"campus/{part}", part) for part in _PARTS), cut(R, "  - id: S-9\n", ""), agreed(lambda _: None)), whole=False), "T380", rerun=True),
+    Fault("another folder of the repository, and a baseline only in a commit afterwards", _from_a_folder(all_of(gone(BASELINE), swap(V, "  baseline: requirements/baseline.json\n", "")), all_of(swap(V, "  default_spec: specs\n", "  default_spec: specs\n  baseline: requirements/baseline.json\n"), cut(R, "  - id: S-9\n", ""), agreed(lambda _: None))), "T380", rerun=True),
     Fault("another folder of the repository, and an entry of the baseline removed", _from_a_folder(_STRUCK_BY_HAND_THERE), "T380", rerun=True),
     Fault("the baseline taken back over an acceptance", _taken_back, "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
