@@ -156,6 +156,8 @@ def test_steps_that_were_accepted_lead_all_the_way(ways: list[dict[str, str | li
         ("requirement R-9: its asil changed from D to B", False),
         ("requirement R-9: its status changed from approved to A", False),
         ("requirement R-9: in its refines `R-1` left", False),
+        ("requirement R-9: it says something else", False),
+        ("requirement R-9: its asil changed from D to 2026-01-01", False),
         ("requirement R-9 is gone", True),
         ("requirement R-90 is gone", False),
         ("requirement R-9 is new", False),
@@ -164,6 +166,14 @@ def test_steps_that_were_accepted_lead_all_the_way(ways: list[dict[str, str | li
 def test_an_acceptance_says_what_became_less(text: str, enough: bool) -> None:
     (less,) = changes({"requirement R-9": {"asil": "D"}}, {"requirement R-9": {"asil": "A"}})
     assert accepted(less, [text]) is enough
+
+
+def test_a_count_that_was_accepted_may_be_more_again() -> None:
+    (less,) = changes(
+        {"project": {"boundary tests a rule": "3"}}, {"project": {"boundary tests a rule": "2"}}
+    )
+    for text, enough in (("3 to 1", True), ("3 to 2", True), ("4 to 3", False), ("3 to 2026-01-01", False)):
+        assert accepted(less, [f"project: its boundary tests a rule changed from {text}"]) is enough
 
 
 @pytest.mark.parametrize(

@@ -318,17 +318,20 @@ def accepted(change: Change, texts: Iterable[str]) -> bool:
             if change.told or _weaker(change.kind, change.field, [], [one])
         }
         return bool(parts) and fewer <= left and more <= came
+    last = change.after or "nothing"
     for rest in rests:
-        said = re.match(f"its (?:{names}) changed|it says something else", rest)
-        if said is not None and not rest[said.end() :].startswith(" from "):
-            return True  # of a text, of which there is no more to say
-        if said is None and not (rest.startswith("it was ") and change.field in SAYING):
+        said = re.match(f"its (?:{names}) changed", rest)
+        if said is None and change.field in SAYING:
+            said = re.match("it says something else|it (?=was )", rest)
+        if said is None:
             continue
-        last = change.after or "nothing"
+        if not rest[said.end() :].startswith((" from ", "was ")):
+            return True  # of a text, of which there is no more to say
         if _ends(rest, f" to {last}") or _ends(rest, f" is {last}"):
             return True
         # Something that was accepted as even less may be more again.
-        if any(not _weaker(change.kind, change.field, value, change.after) for value in _LAST.findall(rest)):
+        ordered = [value for value in _LAST.findall(rest) if value.isdigit() == last.isdigit()]
+        if any(not _weaker(change.kind, change.field, value, change.after) for value in ordered):
             return True
     return False
 
