@@ -238,6 +238,19 @@ def test_a_baseline_restored_and_accepted_at_once_is_as_it_was(project: Path) ->
     assert judged(project, rerun=True) == (0, [])
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["another folder of the repository, and a baseline", "another file named as the baseline, committed"],
+)
+def test_a_baseline_that_was_elsewhere_is_restored_as_the_message_says(name: str, project: Path) -> None:
+    next(fault for fault in FAULTS if fault.name.startswith(name)).edit(project)
+    (found,) = (one for one in judged(project, rerun=True)[1] if one["code"] == "T380")
+    show, _, file = found["help"].partition("`git ")[2].partition("`")[0].partition(" > ")
+    (project / file).write_text(run_git(project, *show.split()), "utf-8")
+    all_of(agreed(lambda _: None), committed("restored"))(project)
+    assert judged(project, rerun=True) == (0, [])
+
+
 def test_nothing_is_written_but_results(project: Path) -> None:
     """A gate that changes what it judges would be none."""
     (project / STORE).unlink()

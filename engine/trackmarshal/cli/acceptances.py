@@ -272,8 +272,10 @@ def _since(commit: str) -> str:
 
 
 def _restored(commit: str, was: str, baseline: str) -> str:
-    again = "" if was == baseline else f", name `{was}` as the baseline"
-    return f"restore it: `git checkout {commit[:12]} -- {was}`{again}, and accept what is there now"
+    how = (
+        f"checkout {commit[:12]} -- {was}" if was == baseline else f"show {commit[:12]}:./{was} > {baseline}"
+    )
+    return f"restore it: `git {how}`, and accept what is there now"
 
 
 def _log(root: Path, files: list[str], how: str = "--first-parent") -> list[str]:
