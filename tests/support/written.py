@@ -28,6 +28,7 @@ def machine(node: typed.Machine) -> ast.Expr:
     assert [written(one.guard) for one in node.transitions] == [
         plain(one.condition) for one in item.transitions
     ]
+    assert item.bridges is not None or not node.bridges
     for made, one in zip(node.transitions, item.transitions):
         assert [written(keep.value) for keep in made.kept] == [plain(keep.value) for keep in one.kept]
     if node.element is None:

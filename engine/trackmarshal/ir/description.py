@@ -44,8 +44,8 @@ def _described(root: ir.IR, names: bool) -> str:
                 if value and not isinstance(node, ir.Compare):
                     parts.append("turned")
                 continue
-            if isinstance(node, ir.Axis) and name in ("forget", "capacity"):
-                if value:  # most sets remember nothing of what is absent, and say nothing of it
+            if name in ("forget", "capacity", "bridges") and isinstance(node, ir.Axis | ir.Machine):
+                if value:  # most sets remember nothing of what is absent, most machines bridge nothing, and say nothing of it
                     parts.append(f"{name} {value}")
                 continue
             if isinstance(value, ir.IR):

@@ -516,7 +516,8 @@ class Machine(IR):
 
     axis: of the variable that stands for the element; None: there is one machine. targets, sources, guards: the transitions in the order in
     which they are looked at, in every cycle: where each leads, from which states, and when. kept: by which transition a number is remembered,
-    and its name; numbers: as many, each as it is in the cycle of the transition.
+    and its name; numbers: as many, each as it is in the cycle of the transition. bridges: a gap of up to so many nanoseconds, from stamp to
+    stamp, leaves it as it was.
     """
 
     name: str
@@ -528,6 +529,7 @@ class Machine(IR):
     guards: tuple[Formula, ...]
     kept: tuple[tuple[int, str], ...]
     numbers: tuple[Num, ...]
+    bridges: int = 0
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -462,6 +462,7 @@ class Lowering:
                 [(place, keep.name) for place, one in enumerate(node.transitions) for keep in one.kept]
             ),
             numbers=tuple([self.number(keep.value) for one in node.transitions for keep in one.kept]),
+            bridges=nanoseconds(node.bridges),
         )
 
     def _over_run(

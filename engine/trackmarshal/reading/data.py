@@ -48,7 +48,7 @@ def _reading(sheet: Sheet) -> dict[str, Any]:
         ],
         "machines": [
             {
-                **_printed(one.head), "states": list(one.states), "start": one.start,
+                **_printed(one.head), "states": list(one.states), "start": one.start, "bridges": one.bridges,
                 "moves": [
                     {"from": list(move.sources), "to": move.target, "when": _printed(move.guard), "remembers": [_printed(kept) for kept in move.kept]}
                     for move in one.moves

@@ -6,6 +6,8 @@ from typing import Literal
 
 from trackmarshal.reading import layout as at
 from trackmarshal.reading.layout import Layout
+from trackmarshal.source import Span
+from trackmarshal.syntax import ast
 
 #: Greek letters by their names.
 GREEK = {
@@ -48,3 +50,11 @@ class Names:
         self._taken.add(made)
         self._shown[(kind, qualified)] = made
         return made
+
+
+def bridged(item: ast.State) -> str:
+    """How long a gap is that a machine bridges, as it is written; empty where it bridges none."""
+    if item.bridges is None:
+        return ""
+    span: Span = item.bridges.__dict__["span"]
+    return span.text

@@ -11,7 +11,7 @@ from trackmarshal.ir.spec import FieldType, ParamInfo, PlaceInfo, RuleInfo, Spec
 from trackmarshal.node import Node
 from trackmarshal.reading.formulas import Formulas
 from trackmarshal.reading.layout import Call, Chain, Joined, Layout, Sign
-from trackmarshal.reading.names import Names
+from trackmarshal.reading.names import Names, bridged
 from trackmarshal.syntax import ast
 
 Kind = Literal["along", "whenever", "within", "each", "where", "except", "let", "require", "monitor"]
@@ -46,11 +46,12 @@ class Move(Node):
 
 
 class MachineShown(Node):
-    """A state machine: of what it is, its states with the first one first, and its transitions in the order in which they are looked at."""
+    """A state machine: of what it is, its states with the first one first, the gap that it bridges, and its transitions in the order in which they are looked at."""
 
     head: Layout
     states: tuple[str, ...]
     start: str
+    bridges: str
     moves: tuple[Move, ...]
 
 
@@ -172,7 +173,8 @@ def _machines(reached: list[typed.Typed], writing: Formulas) -> Iterator[Machine
         if node.element is not None:
             assert isinstance(node.element, typed.NamedRecord)
             head = Call(head, (writing.names.of("local", node.element.name, node.element.name),))
-        yield MachineShown(head, tuple(state.name for state in item.states), item.start.name, moves)
+        states = tuple(state.name for state in item.states)
+        yield MachineShown(head, states, item.start.name, bridged(item), moves)
 
 
 def _settings(reached: list[typed.Typed], spec: Spec, declared: Spec, names: Names) -> Iterator[Setting]:

@@ -12,6 +12,7 @@ from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir.spec import ParamInfo
+from trackmarshal.reading.names import bridged
 from trackmarshal.reading.phrases import Phrases, called, parameters_of, plain
 from trackmarshal.reading.words import Words
 from trackmarshal.syntax import ast
@@ -446,7 +447,9 @@ class Sentences(Phrases):
         item = node.symbol.item
         assert isinstance(item, ast.State)
         states = self.listed([f"“{plain(one.name)}”" for one in item.states])
-        return self.words.starts.format(a=called(item.name), b=states, c=plain(item.start.name))
+        started = self.words.starts.format(a=called(item.name), b=states, c=plain(item.start.name))
+        gap = bridged(item)
+        return f"{started} {self.words.bridges.format(a=gap)}" if gap else started
 
 
 def _same(node: typed.Formula, op: typed.Joining) -> Iterator[typed.Formula]:

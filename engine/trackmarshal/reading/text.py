@@ -88,7 +88,8 @@ def _formula(reading: Reading, words: Words) -> Iterator[str]:
 def _machine(machine: MachineShown, words: Words) -> Iterator[str]:
     labels, moved = words.labels, " " * STEP
     states = ", ".join(machine.states)
-    yield f"{moved}{text(machine.head)}: {states}; {labels['starts']} {machine.start}"
+    bridges = f"; {labels['bridges']} {machine.bridges}" if machine.bridges else ""
+    yield f"{moved}{text(machine.head)}: {states}; {labels['starts']} {machine.start}{bridges}"
     for one in machine.moves:
         yield f"{moved * 2}{labels['becomes']} {one.target} {labels['from']} {', '.join(one.sources)} {labels['when']}"
         yield from block(one.guard, WIDTH, 3)

@@ -25,7 +25,7 @@ from trackmarshal.semantics.errors import (
     WrongArity,
     WrongKind,
 )
-from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.overrun import LONGEST, misused
 from trackmarshal.semantics.scope import spoken
 from trackmarshal.semantics.vacuity import never_taken
 from trackmarshal.semantics.values import Broken, Local, Poison
@@ -33,7 +33,7 @@ from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol
-from trackmarshal.units import TIME
+from trackmarshal.units import TIME, in_full
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions import Context, Expressions
@@ -54,6 +54,7 @@ def check_state(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -
     if not failed:
         _check_ways(item, x)
     try:
+        _bridged(item, x, ctx)
         _check_guards(item, symbol, x, ctx)
     except Poison:
         failed = True
@@ -177,6 +178,17 @@ def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context)
             if over_run(lowering.number(keep.value)):
                 problem = "what is remembered is a number of the cycle of the transition alone"
                 x.fail(OverRunProblem(keep.span, problem, "leave out what was, and what states keep"))
+
+
+def _bridged(item: ast.State, x: Expressions, ctx: Context) -> float:
+    """How long a gap is that leaves a machine as it was [s]; 0 where it says nothing of gaps."""
+    if item.bridges is None:
+        return 0.0
+    number, seconds = x.bound(item.bridges, ctx)
+    if not 0.0 <= seconds <= LONGEST / 1e9:
+        hint = "write for how long: `bridges 1 s`, a thousand hours at most"
+        x.fail(BadValue(number.span, f"no gap lasts for {in_full(seconds, 's')}", None, hint))
+    return seconds
 
 
 def _written_out(
@@ -306,7 +318,7 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
     transitions = _written_out(item, symbol, element, x, ctx)
     # Its declaration was warned of, once.
     x.found[before:] = [found for found in x.found[before:] if found.level != "warning"]
-    return typed.Machine(symbol, element, transitions, span)
+    return typed.Machine(symbol, element, transitions, _bridged(item, x, ctx), span)
 
 
 def _check_axis(name: str, at: Span, x: Expressions, ctx: Context) -> None:

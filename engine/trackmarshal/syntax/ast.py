@@ -637,7 +637,7 @@ class Transition(Node):
 
 
 class State(Item):
-    """`state role : { neutral, offence } for each o in objects starts neutral becomes ...`: a state machine over the run."""
+    """`state role : { neutral, offence } for each o in objects starts neutral bridges 1 s becomes ...`: a state machine over the run."""
 
     name: str
     states: tuple[StateName, ...]
@@ -645,6 +645,7 @@ class State(Item):
     domain: str
     start: Name
     transitions: tuple[Transition, ...]
+    bridges: Expr | None = None
     span: Span = NOWHERE
 
 

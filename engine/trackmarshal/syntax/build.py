@@ -343,9 +343,11 @@ class Builder:
     def state(self, meta: Meta, c: list[Any]) -> ast.State:
         states = tuple(part for part in c if isinstance(part, ast.StateName))
         transitions = tuple(part for part in c if isinstance(part, ast.Transition))
-        binder, domain, start = (part for part in c[1 + len(states) : -len(transitions)])
+        binder, domain, start, bridges = (part for part in c[1 + len(states) : -len(transitions)])
         each = ("", "") if binder is None else (spelled(binder), spelled(domain))
-        return ast.State(spelled(c[0]), states, *each, self._name(start), transitions, self._span(meta))
+        return ast.State(
+            spelled(c[0]), states, *each, self._name(start), transitions, bridges, self._span(meta)
+        )
 
     def state_name(self, meta: Meta, c: list[Any]) -> ast.StateName:
         return ast.StateName(spelled(c[1]), c[0] is not None, self._span(meta))

@@ -339,7 +339,10 @@ class Layout:
         head = f"state {self._n.name(item.name)} : {{ {states} }}"
         if item.binder:
             head += f" for each {self._n.name(item.binder)} {self._n.sign('in')} {self._n.name(item.domain)}"
-        pieces = [Piece(f"{head} starts {self._n.name(item.start.name)}", 0)]
+        head += f" starts {self._n.name(item.start.name)}"
+        if item.bridges is not None:
+            head += f" bridges {self._n.expr(item.bridges)}"
+        pieces = [Piece(head, 0)]
         width = _widest(self._n.name(one.target.name) for one in item.transitions)
         for one in item.transitions:
             origin = f"from {self._n.names(tuple(name.name for name in one.sources))} " if one.sources else ""

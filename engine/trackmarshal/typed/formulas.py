@@ -257,11 +257,12 @@ class Transition(Typed):
 
 
 class Machine(Typed):
-    """A `state`, as it is of the run or of an element of a set, and the transitions written out for it."""
+    """A `state`, as it is of the run or of an element of a set, and the transitions written out for it; bridges: how long a gap is that leaves it as it was [s]."""
 
     symbol: Symbol
     element: Record | None
     transitions: tuple[Transition, ...]
+    bridges: float
     span: Span
 
 

@@ -363,7 +363,7 @@ def _states() -> SearchStrategy[ast.State]:
     binder = st.one_of(st.just(("", "")), st.tuples(names(), names()))
     return st.builds(
         lambda name, listed, bound, *rest: ast.State(name, listed, *bound, *rest),
-        names(), states, binder, word, transitions,
+        names(), states, binder, word, transitions, st.one_of(st.none(), expressions()),
     )  # fmt: skip
 
 

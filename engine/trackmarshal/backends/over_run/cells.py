@@ -105,7 +105,8 @@ class Cells:
         held: Possible | None = None if present.over(machine, key) else self._held[machine].get(key)
         if held is None:
             return begun(machine, present.now.t) if present.sure(machine, key) else unknown(machine)
-        return widened(machine, held) if self._gap(machine, key, present) else held
+        gap = self._gap(machine, key, present)
+        return held if gap is None else widened(machine, held, gap[1] - gap[0] + 2)
 
     def value(
         self, node: ir.OverRun | ir.Counted, key: Key, present: Present, values: tuple[Truth, ...]

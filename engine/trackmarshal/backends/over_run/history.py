@@ -233,7 +233,8 @@ class History:
         possible = begun(machine, self.cycles[members[0]].t) if sure else unknown(machine)
         for before, this in zip((None, *members), members[: members.index(k) + 1]):
             if before is not None and self._between(before, this):
-                possible = widened(machine, possible)
+                gap = self.cycles[this].t - self.cycles[before].t
+                possible = widened(machine, possible, gap)
             guards = [self._settled(guard, this, ids) for guard in machine.guards]
             now = self._now(this)
             possible = stepped(

@@ -51,8 +51,13 @@ def stepped(
     return after
 
 
-def widened(machine: ir.Machine, before: Possible) -> Possible:
-    """A machine after cycles of which nothing is known: any number of transitions may have been taken, or none."""
+def widened(machine: ir.Machine, before: Possible, gap: int) -> Possible:
+    """A machine after cycles of which nothing is known: any number of transitions may have been taken, or none.
+
+    gap: from the stamp of the last cycle that it knows to that of the next [ns]. One that it bridges leaves it as it was.
+    """
+    if gap <= machine.bridges:
+        return before
     reached: set[str] = set()
     stack = list(before)
     while stack:

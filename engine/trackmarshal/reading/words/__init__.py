@@ -117,6 +117,7 @@ class Words(Node):
     event: str
     #: State machines: that it starts, and each of its transitions.
     starts: str
+    bridges: str
     becomes: str
     remembers: str
     #: What was solved for a number, why it was not, and what was found on the evaluator instead: in which ranges the rule holds.

@@ -81,7 +81,7 @@ ENGLISH = Words(
     whenever="whenever {a}", deadline="within {a} at the latest",
     except_for="except where {a}", except_why="except where {a} ({b})",
     colon="{a}: {b}", here="Here, {a}.", is_="{a} is {b}", if_="condition {a} is that {b}", when="{a} exactly when {b}", event="“{a}” is to say: {b}.",
-    starts="The {a} is one of {b}; it starts as “{c}”.", becomes="It becomes “{a}” from {b} when {c}.", remembers="Then {a} is remembered as {b}.",
+    starts="The {a} is one of {b}; it starts as “{c}”.", bridges="Where cycles are missing for up to {a}, it stays as it was.", becomes="It becomes “{a}” from {b} when {c}.", remembers="Then {a} is remembered as {b}.",
     solved="For {a}: the rule holds exactly as long as the following is so, wherever both sides are real numbers. The reference evaluator says the same on {n} inputs, with the parameters in force.",
     unsolved="For {a}: not solved, because of {b}; what follows is found on the reference evaluator.",
     reasons={
@@ -108,7 +108,7 @@ ENGLISH = Words(
         "satisfies": "satisfies", "assuming": "assuming", "overridden": "overridden at {a}; the spec has {b}", "declared": "declared at {a}",
         "range": "from {a} to {b}", "name": "name", "value": "value", "unit": "unit", "inputs": "Inputs", "points": "{a} with {b} points", "rule": "Rule",
         "plain": "number", "at least": "at least {a}", "at most": "at most {a}", "becomes": "becomes", "from": "from", "when": "when", "remember": "remember",
-        "starts": "starts",
+        "starts": "starts", "bridges": "bridges",
     },
     clauses={
         "along": "along", "whenever": "whenever", "within": "within", "each": "", "where": "where", "except": "except", "let": "with", "require": "require",

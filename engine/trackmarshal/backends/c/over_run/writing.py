@@ -145,6 +145,7 @@ def _machine(machine: ir.Machine) -> dict[str, Any]:
     }  # fmt: skip
     return {
         "states": [{"name": comment(state), "leads": leads[state], "reached": _reached(machine, state)} for state in states],
+        "bridges": f"INT64_C({machine.bridges})" if machine.bridges else "",
         "start": states.index(machine.start), "names": [comment(name) for name in names],
         "guards": range(len(machine.guards)), "numbers": range(len(machine.numbers)),
     }  # fmt: skip

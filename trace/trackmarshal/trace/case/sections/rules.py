@@ -116,11 +116,12 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         yield Formula(one["mathml"], one["typst"], depth=1)
     for machine in shown["machines"]:
         states = joined([given(state) for state in machine["states"]])
-        yield Paragraph(
-            writing.line(
-                "rules.machine", name=Code(machine["text"]), states=states, start=Given(machine["start"])
-            )
+        said = writing.line(
+            "rules.machine", name=Code(machine["text"]), states=states, start=Given(machine["start"])
         )
+        if machine["bridges"]:
+            said = (*said, Fixed(" "), *writing.line("rules.bridges", gap=Given(machine["bridges"])))
+        yield Paragraph(said)
         yield writing.table((("column.becomes", 1.5), ("column.from", 1.5), ("column.when", 6.0)), (
             [given(move["to"]), joined([given(state) for state in move["from"]]), (Inline(move["when"]["mathml"], move["when"]["typst"]),)]
             for move in machine["moves"]

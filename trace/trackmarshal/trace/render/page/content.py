@@ -217,7 +217,7 @@ def _sheet(sheet: Mapping[str, Any]) -> dict[str, Any]:
         made["definitions"] = [one["mathml"] for one in formula["definitions"]]
         made["machines"] = [
             [
-                one["mathml"], one["states"], one["start"],
+                one["mathml"], one["states"], f"{one['start']}; bridges {one['bridges']}" if one["bridges"] else one["start"],
                 [[move["to"], move["from"], move["when"]["mathml"], [kept["mathml"] for kept in move["remembers"]]] for move in one["moves"]],
             ]
             for one in formula["machines"]
