@@ -130,7 +130,7 @@ def case(
         fields = tuple(field.name for field in declared.fields_)
         if declared.sequence:
             signals[name] = trajectory(choose, fields)
-            if zones:  # not far from where they begin
+            if zones and "ego" not in signals:  # not far from where they begin
                 x, y = choose.choice(choose.choice(zones).points)
                 signals[name] |= {
                     "x": [x + each for each in signals[name]["x"]],

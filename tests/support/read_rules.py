@@ -176,7 +176,7 @@ class Machinery:
                 said = self.truth(tree[2][0], env)
                 return said if tree[1] == "rising" else _not(said)
             case "in zone":
-                return self._asked(ir.InArea, env)
+                return self._in_zone(tree[1], env)
             case "called":
                 if tree[1] in self.functions:
                     return self.truth(self.functions[tree[1]][1], self._given(tree, env))
@@ -249,6 +249,18 @@ class Machinery:
         ends = [ir.Const(self.number(one, env)) for one in stretch[2][1:]]
         room = self.values.number(ir.StretchRoom(line, "", ir.Station(line, x, y), *ends), {})
         return self._compared("≤", 0.0, room)
+
+    def _in_zone(self, point: Tree, env: dict[str, Any]) -> Said:
+        """A rule names one zone, and may ask of several points whether they lie in it."""
+        areas = {(node.area, node.span) for node in self.nodes if isinstance(node, ir.InArea)}
+        assert len({area for area, _ in areas}) == 1, "which one is printed here is not known"
+        area, span = next(iter(areas))
+        x, y = (ir.Const(float(self._field(("field", axis, point), env))) for axis in ("x", "y"))
+        value = self.values.truth(ir.InArea(x, y, area, span), {})
+        if value.verdict == "undefined":
+            self.undefined = True
+            return Said(None, math.nan)
+        return Said(value.verdict == "satisfied", value.worst.margin)
 
     def _compared(self, sign: str, a: float, b: float) -> Said:
         if not (math.isfinite(a) and math.isfinite(b)):
