@@ -335,10 +335,11 @@ def test_a_table_a_zone_and_a_state_are_listed() -> None:
     assert [place.name for place in made.places] == ["tracks.modena.pit_lane"]
     made = read(shipped().rule("drive_acceleration") or pytest.fail("the rule is gone"), shipped())
     assert [info.name for _, info in made.tables] == ["vehicles.devbot.ax_max"]
-    made = read(shipped().rule("one_move") or pytest.fail("the rule is gone"), shipped())
+    made = read(shipped().rule("gives_back") or pytest.fail("the rule is gone"), shipped())
     (machine,) = made.machines
-    assert (machine.states, machine.start, len(machine.moves)) == (
-        ("neutral", "offence", "defence"),
-        "neutral",
-        5,
+    assert (machine.states, machine.start, machine.bridges, len(machine.moves)) == (
+        ("free", "ahead", "behind", "won"),
+        "free",
+        "1 s",
+        7,
     )

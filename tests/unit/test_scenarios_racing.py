@@ -40,7 +40,7 @@ def known() -> dict[object, Evaluator]:
         at_length("second_move", {}, "", ""),  # every day with all rules: tests/acceptance/test_scenarios.py
         # Nobody is near enough to be defended against; whoever was, is so from the first move on that is called one.
         ("second_move", {"reach": 10.0}, "rule one_move for red", ""),
-        ("second_move", {"sideways": 5.0}, "rule one_move for red", ""),
+        ("second_move", {"shift": 5.0}, "rule one_move for red", ""),
         at_length("yellow_flag", {}, "", ""),
         ("yellow_flag", {"give_back": 4.0}, "", "rule gives_back for green"),
         ("yellow_flag", {"give_back": 6.0}, "rule gives_back for green", ""),
@@ -51,7 +51,7 @@ def known() -> dict[object, Evaluator]:
             "",
             "",
         ),  # 10 % of a width more or less is not what the planner gets wrong
-        ("squeezed", {"corner": 0.05}, "rule leaves_room of driving for blue", ""),
+        ("squeezed", {"corner": 2.0}, "rule leaves_room of driving for blue", ""),
         ("squeezed", {"overlap": 0.99}, "rule leaves_room of driving for blue", ""),
     ],
 )
