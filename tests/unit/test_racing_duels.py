@@ -179,6 +179,19 @@ def test_a_race_line_through_corners_is_no_change_of_line() -> None:
     assert {*verdicts} == {"satisfied", "inactive"}
 
 
+@pytest.mark.parametrize(("back", "found"), [(40.0, False), (150.0, True)])
+def test_back_to_the_race_line_is_for_the_approach(back: float, found: bool) -> None:
+    """One move to the inside on the straight of 300 m, and back from so far before the corner on."""
+
+    def ego(t: float) -> tuple[float, float]:
+        s = 10.0 + 30.0 * t
+        return s, -4.0 + 6.0 * smooth((s - 60.0) / 60.0) * (1 - smooth((s - 300.0 + back) / 40.0))
+
+    verdicts = [row["one_move"] for row in said(CIRCUIT, ego, behind(ego, 20.0), 9.5) if row]
+    assert ("violated" in verdicts) is found
+    assert {*verdicts} <= {"satisfied", "violated"}
+
+
 def passing(t: float) -> tuple[float, float]:
     """Past the other one at 2 s, and on."""
     return 50.0 + 25.0 * t, -2.0
