@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from trackmarshal.trace.documents import DOCUMENTS
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.tree import MAX_DEPTH, Listing, Mapping, Node, Scalar, parse
+from trackmarshal.trace.values import Reader
 
 
 def read(text: str | bytes) -> tuple[Node | None, list[Finding]]:
@@ -49,6 +51,68 @@ def test_quotes_are_remembered() -> None:
     assert isinstance(node, Mapping)
     values = [node.entries[key] for key in "ab"]
     assert [value.plain for value in values if isinstance(value, Scalar)] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("value", "comment"),
+    [
+        ("gate #4 and gate #5", "#4 and gate #5"),
+        ("gate\t# four", "# four"),
+        ("over\n  two lines # four", "# four"),
+        ("größer \U0001f6a6  # four", "# four"),
+        ("gate#4", ""),
+        ("gate", ""),
+        ("'gate #4' # four", ""),
+        ('"gate" # four', ""),
+        ("|- # four\n  gate #4", ""),
+        ("gate\n# four", ""),
+    ],
+)
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+def test_a_comment_behind_a_text_without_quotes_is_remembered(value: str, comment: str, ends: str) -> None:
+    node, found = read(f"\ufeffa: {value}\nb: c\n".replace("\n", ends))
+    assert found == []
+    assert isinstance(node, Mapping)
+    scalar = node.entries["a"]
+    assert isinstance(scalar, Scalar)
+    assert scalar.comment == comment
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "    statement: The car shall stop before gate #4 and before every pedestrian.",
+        "    rationale: Somebody stands there # or walks",
+        "    foreign: {Release: autumn #2\n      }",
+    ],
+)
+def test_no_text_is_cut_off_in_silence(line: str) -> None:
+    """What ` #` begins was lost: of the first one, nobody was told that pedestrians are not demanded."""
+    assert [finding.code for finding in _requirement(line)] == ["T114"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "    asil: QM # as the others",
+        "    verification: [test] # and more",
+        "    refines: [R-2, # the first\n      R-3] # the second",
+        "    statement: 'The car shall stop.' # before gate 4",
+        "    statement: >- # folded\n      The car shall stop before gate #4.",
+    ],
+)
+def test_comments_elsewhere_are_comments(line: str) -> None:
+    assert _requirement(line) == []
+
+
+def _requirement(line: str) -> list[Finding]:
+    """What is said of a requirement with this line, but for what it lacks."""
+    text = f"document: requirements # all\ntitle: Conduct\nrequirements:\n  - id: R-1 # stays\n{line}\n"
+    found: list[Finding] = []
+    node, _ = read(text)
+    assert node is not None
+    Reader("f.yaml", found).table(node, DOCUMENTS["requirements"], "the document")
+    return [finding for finding in found if finding.code != "T120"]
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,8 @@ MAX_BYTES = 16_000_000
 MAX_DEPTH = 20
 #: What turns the direction of writing, so that a text looks like another one.
 _TURNS = re.compile("[\u202a-\u202e\u2066-\u2069]")
+#: A comment behind a value.
+_COMMENT = re.compile(r"[ \t]+#[^\r\n]*")
 
 
 class Node:
@@ -36,15 +38,19 @@ class Node:
 
 
 class Scalar(Node):
-    """Text; `plain` when it stands without quotes, so that YAML readers might take it for a number or a Boolean."""
+    """Text; `plain` when it stands without quotes, so that YAML readers might take it for a number or a Boolean.
 
-    __slots__ = ("plain", "text")
+    comment: what follows a plain one on its line, from `#` on: to YAML no part of it, which whoever wrote a text may not know.
+    """
 
-    def __init__(self, text: str, plain: bool, line: int, column: int) -> None:
+    __slots__ = ("comment", "plain", "text")
+
+    def __init__(self, text: str, plain: bool, line: int, column: int, comment: str = "") -> None:
         self.line = line  # without `super`: there are as many of them as values
         self.column = column
         self.text = text
         self.plain = plain
+        self.comment = comment
 
 
 class Refused(Node):
@@ -121,7 +127,7 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
         found.append(error("T105", message, place, help_))
         return None
     try:
-        return _Builder(shown, found).build(_events(text))
+        return _Builder(shown, found).build(_events(text), text)
     except _TooDeep as stop:
         message = f"nested more than {MAX_DEPTH} deep"
         found.append(error("T110", message, stop.place, "no document here needs such depth"))
@@ -167,7 +173,7 @@ class _Builder:
         self._documents = 0
         self._aliases: set[str] = set()
 
-    def build(self, events: Iterator[Any]) -> Node | None:
+    def build(self, events: Iterator[Any], text: str) -> Node | None:
         scalar, begins, ends = yaml.ScalarEvent, (yaml.MappingStartEvent, yaml.SequenceStartEvent), (
             yaml.MappingEndEvent, yaml.SequenceEndEvent,
         )  # fmt: skip
@@ -178,7 +184,10 @@ class _Builder:
                 mark = event.start_mark
                 line, column = mark.line + 1, mark.column + 1
                 fine = (event.tag is None and event.anchor is None) or self._judge(event)
-                add(Scalar(event.value, not event.style, line, column) if fine else Refused(line, column))
+                plain = not event.style
+                comment = _COMMENT.match(text, event.end_mark.index) if plain else None
+                said = comment[0].strip() if comment else ""
+                add(Scalar(event.value, plain, line, column, said) if fine else Refused(line, column))
             elif kind in begins:
                 self._open(event, Mapping if kind is yaml.MappingStartEvent else Listing)
             elif kind in ends:

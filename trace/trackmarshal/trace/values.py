@@ -151,11 +151,14 @@ class Reader:
                 self._found.append(error("T126", message, self.place(node), "write what it is to say"))
                 return None
             if shape.fits(said):
+                if node.comment and not shape.pattern:
+                    self._cut_off(node, called)
                 return Placed.at(said, Place(self._file, node.line, node.column))
         if kind == "null" or (kind == "str" and not node.text.strip()):
-            self._found.append(
-                error("T126", f"{called} is empty", self.place(node), "fill it in, or leave the field out")
-            )
+            help_ = "fill it in, or leave the field out"
+            if node.comment:
+                help_ = f"to YAML `{_short(node.comment)}` is a comment: quote the text, or fill it in"
+            self._found.append(error("T126", f"{called} is empty", self.place(node), help_))
             return None
         if kind != "str":
             message = f"{called} is to be a text, but without quotes `{node.text}` is {_SAID.get(kind, 'no text')} in YAML"
@@ -168,6 +171,12 @@ class Reader:
             )
             return None
         return Placed.at(text, self.place(node))
+
+    def _cut_off(self, node: Scalar, called: str) -> None:
+        """Of a text that people read, nobody can tell whether what stands behind ` #` was meant as a part of it; an id says by its form where it ends."""
+        message = f"{called} ends before `{_short(node.comment)}`, which is a comment to YAML"
+        help_ = "put the text in quotes: inside them what is a part of it, behind them what is a comment"
+        self._found.append(error("T114", message, self.place(node), help_))
 
     def _scalar(self, node: Scalar, shape: Shape, called: str) -> Any:
         kind, text = resolved(node), node.text
@@ -232,9 +241,9 @@ def _described(node: Node) -> str:
     if isinstance(node, Listing):
         return "a list"
     if isinstance(node, Scalar):
-        return (
-            "nothing"
-            if resolved(node) == "null"
-            else f"`{node.text if len(node.text) < 40 else node.text[:37] + '...'}`"
-        )
+        return "nothing" if resolved(node) == "null" else f"`{_short(node.text)}`"
     raise TypeError(f"unknown node {node!r}")
+
+
+def _short(text: str) -> str:
+    return text if len(text) < 40 else text[:37] + "..."
