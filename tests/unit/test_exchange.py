@@ -120,6 +120,8 @@ NAMING = Naming(
         "source": "door",
     },
 )
+#: Of files with our names.
+OURS = Naming({}, NAMING.defaults)
 
 
 def test_a_table_of_somebody_else() -> None:
@@ -222,6 +224,44 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
         "warning[T357]: what stands below what in a specification is not taken over",
     ]
     assert exchange.check(documents) == []
+
+
+@pytest.mark.parametrize(
+    ("head", "between", "ends"),
+    [("", ",", "\n"), ("\ufeff", ";", "\r\n"), ("", "\t", "\n"), ("\ufeffsep=;\r\n", ";", "\r\n"), ("SEP=\t\n", "\t", "\n")],
+)  # fmt: skip
+def test_a_spreadsheet_writes_what_its_country_has_between_cells(head: str, between: str, ends: str) -> None:
+    """Where numbers have commas, cells have semicolons between them; lines are those of the file."""
+    rows = [
+        ["id", "title", "statement", "metrics", "Size"],
+        ["A-1", '"Doors, both"', "It shall open.", '"a; b"', "1,5 m"],
+    ]
+    rows[1] = [f'"{cell}"' if between in cell and not cell.startswith('"') else cell for cell in rows[1]]
+    text = head + "".join(between.join(row) + ends for row in rows)
+    found: list[Finding] = []
+    (document,) = exchange.read(text.encode(), "csv", "file.csv", OURS, found)
+    assert found == []
+    (one,) = document.requirements
+    assert (one["title"], one["metrics"], one["foreign"]) == ("Doors, both", ["a", "b"], {"Size": "1,5 m"})
+    assert one.place.line == 2 + ("sep" in head.lower())
+
+
+def test_a_cell_with_a_semicolon_is_one_cell_where_commas_divide() -> None:
+    found: list[Finding] = []
+    text = "id,title;x,statement\nA-1,a;b,It shall open.\n"
+    (document,) = exchange.read(text.encode(), "csv", "file.csv", OURS, found)
+    assert document.requirements[0]["foreign"] == {"title;x": "a;b"}
+
+
+def test_a_column_of_another_name_is_one_error() -> None:
+    """One for each field and row, and that the id `` was there twice, buried what was to be done."""
+    found: list[Finding] = []
+    text = "Key,Name,statement\n" + "".join(f"A-{n},a,It shall open.\n" for n in range(1, 4))
+    documents = exchange.read(text.encode(), "csv", "file.csv", OURS, found)
+    (one,) = [*found, *exchange.check(documents)]
+    assert (one.code, one.message) == ("T120", "no requirement in the file has `id`, `title`")
+    assert "there is `Key`, `Name`" in one.help
+    assert "--field id=NAME" in one.help
 
 
 def _messages() -> list[tuple[str, bytes]]:

@@ -56,6 +56,7 @@ def test_a_log_becomes_what_was_driven(tmp_path: Path) -> None:
         (lambda t: line(t, 7, "0.5,0,1e999,1.57,0,0"), "D171", "no finite number", 7),
         (lambda t: line(t, 7, "0.5,0,1_0,1.57,0,0"), "D171", "no finite number", 7),
         (lambda t: line(t, 7, "0.5,0,0"), "D171", "3 cells", 7),
+        (lambda t: line(t, 7, "0,5,0,0,1,57,0,0"), "D171", "8 cells", 7),
         (lambda t: line(t, 7, '0.5,0,"0,1.57,0,0'), "D171", "", None),
         (lambda t: line(t, 7, "0.5,0,\0,1.57,0,0"), "D171", "NUL", 7),
         (lambda t: line(t, 7, "0.4,0,0,1.57,0,0"), "D172", "does not come after", 7),
@@ -70,6 +71,19 @@ def test_a_bad_log_is_refused(tmp_path: Path, change: Any, code: str, said: str,
     error = refused(tmp_path, change(field_logs.text(CLEAN)).encode())
     assert (error.code, error.line) == (code, line) if line is not None else error.code == code
     assert said in error.message
+
+
+@pytest.mark.parametrize(
+    ("change", "help"),
+    [
+        (lambda t: t.replace(",", ";"), "delimiter: ';'"),
+        (lambda t: t.replace(",", "\t"), "delimiter: 'tab'"),
+        (lambda t: line(t, 7, "0,5,0,0,1,57,0,0"), "They have a point"),
+        (lambda t: line(t, 7, '"0,5",0,0,1.57,0,0'), "numbers have a point: `0.5`"),
+    ],
+)
+def test_what_spreadsheets_write_where_numbers_have_commas(tmp_path: Path, change: Any, help: str) -> None:
+    assert help in str(refused(tmp_path, change(field_logs.text(CLEAN)).encode()).help)
 
 
 def line(text: str, number: int, new: str) -> str:

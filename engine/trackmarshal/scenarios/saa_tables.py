@@ -34,9 +34,8 @@ def _rows(archive: Archive, name: str, width: int) -> Table:
         try:
             row = [float(cell) for cell in text.split(",")]
         except ValueError as error:
-            raise TrackmarshalError(
-                "D131", str(error), file=shown, line=line, help="rows of numbers"
-            ) from error
+            help_ = "rows of numbers such as `1.5`, with commas between"
+            raise TrackmarshalError("D131", str(error), file=shown, line=line, help=help_) from error
         if len(row) != width or not all(map(math.isfinite, row)):
             message = f"{text.strip()[:60]!r} is no row of {width} finite numbers"
             raise TrackmarshalError(

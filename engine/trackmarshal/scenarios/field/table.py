@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
 import unicodedata
 from collections.abc import Mapping as AnyMapping
 from itertools import islice
@@ -21,6 +22,8 @@ Floats = NDArray[np.float64]
 _DELIMITERS = {",": ",", ";": ";", "tab": "\t"}
 #: A cell of a number is short; what is longer is another file.
 _LONGEST = 1000
+#: A number as it is written where the comma stands before decimals.
+_COMMA = re.compile(r"[-+]?\d{0,20},\d{1,20}([eE][-+]?\d{1,3})?")
 
 
 def read(
@@ -52,7 +55,10 @@ def read(
                     continue
             if len(cells) != width:
                 message = f"{len(cells)} cells, the first line has {width}"
-                raise _wrong(message, shown, reader.line_num, "was the line cut off?")
+                help_ = "was the line cut off?"
+                if len(cells) > width and delimiter == ",":
+                    help_ = "is a comma in its numbers? They have a point: `1.5`"
+                raise _wrong(message, shown, reader.line_num, help_)
             numbers.append([_number(cells, place, shown, reader.line_num) for place in places])
             lines.append(reader.line_num)
     except csv.Error as error:
@@ -94,6 +100,11 @@ def _places(
             message = f"the header has {'no' if count == 0 else 'more than one'} column `{wanted:.60}`, which is to be `{meaning}`"
             listed = ", ".join(f"`{name:.40}`" for name in islice(names, 12))
             help_ = f"{suggestion(wanted, names)} the header has {listed}".strip()
+            other = next((name for name, sign in _DELIMITERS.items() if sign in names[0]), None)
+            if len(names) == 1 and other is not None:
+                help_ = (
+                    f"is `{other}` what divides the columns? The mapping says so with `delimiter: '{other}'`"
+                )
             raise TrackmarshalError("D170", message, file=shown, line=line, help=help_)
         result.append(names.index(wanted))
     return result, True
@@ -114,6 +125,8 @@ def _number(cells: list[str], place: int, shown: str, line: int) -> float:
         help_ = (
             "leave out that part of the log (`time`: from, to), or mend it; a missing number is not guessed"
         )
+        if _COMMA.fullmatch(cell):
+            help_ = f"numbers have a point: `{cell.replace(',', '.')}`"
         raise _wrong(f"column {place + 1}: {cell!r:.40} is no finite number", shown, line, help_)
     return value
 

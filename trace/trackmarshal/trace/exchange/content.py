@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath
 
 from trackmarshal.trace import requirements, tree
 from trackmarshal.trace.documents import REQUIREMENT, REQUIREMENTS
-from trackmarshal.trace.findings import Finding, Place, warning
+from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.shapes import Many, Pairs
 from trackmarshal.trace.values import Reader, Table
 
@@ -97,7 +97,10 @@ def attributes(requirement: Table, reserved: Collection[str], ending: str = "\0"
 
 def taken(drafts: Iterable[Draft], naming: Naming, shown: str, found: list[Finding]) -> list[Document]:
     """Drafts as documents of a project; what does not fit goes to `found` (T120 to T128), with file and line."""
-    reader = Reader(shown, found)
+    drafts = list(drafts)
+    lacking = _said_nowhere(drafts, naming, shown, found)
+    misfits: list[Finding] = []
+    reader = Reader(shown, misfits)
     made = []
     for draft in drafts:
         node = _mapping({"document": "requirements", "title": draft.title, "source": draft.source}, 0)
@@ -110,15 +113,42 @@ def taken(drafts: Iterable[Draft], naming: Naming, shown: str, found: list[Findi
         table = reader.table(node, REQUIREMENTS, "the document")
         if table is not None:
             made.append(Document(draft.name, table))
+    told = {f"the requirement has no `{name}`" for name in lacking}
+    found += [misfit for misfit in misfits if misfit.code != "T120" or misfit.message not in told]
     return made
+
+
+def _said_nowhere(
+    drafts: Iterable[Draft], naming: Naming, shown: str, found: list[Finding]
+) -> Collection[str]:
+    """The fields that no requirement in the file has: a column of another name is one error, and not one for each row."""
+    items = [item for draft in drafts for item in draft.items]
+    theirs = {name: None for item in items for name, value in item.attributes.items() if _says(value)}
+    said = {*naming.defaults, *(_ours(name, naming) for name in theirs)}
+    lacking = [field.name for field in REQUIREMENT.fields if field.required and field.name not in said]
+    if not items or not lacking:
+        return ()
+    message = f"no requirement in the file has {', '.join(f'`{name}`' for name in lacking)}"
+    there = [f"`{name[:40]}`" for name in theirs if _ours(name, naming) is None]
+    named = f" (there is {', '.join(there[:12])})" if there else ""
+    help_ = f"say what it is called there{named}, or what it is for all of them: `--field {lacking[0]}=NAME`, `--default {lacking[-1]}=TEXT`"
+    found.append(error("T120", message, Place(shown, items[0].line), help_))
+    return lacking
+
+
+def _ours(name: str, naming: Naming) -> str | None:
+    """The field that an attribute of the other tool is; None where it has none here."""
+    for ours, theirs in naming.fields.items():
+        if theirs == name:
+            return ours
+    return name if name in FIELDS and name not in naming.fields else None
 
 
 def _requirement(item: Item, naming: Naming, shown: str, found: list[Finding]) -> tree.Mapping:
     said: dict[str, Value] = {}
     foreign: dict[str, str] = {}
-    meant = {theirs: ours for ours, theirs in naming.fields.items()}
     for name, value in item.attributes.items():
-        ours = meant.get(name, name if name in FIELDS and name not in naming.fields else None)
+        ours = _ours(name, naming)
         if not _says(value):
             continue
         if ours is None:

@@ -1,5 +1,7 @@
 """Requirements as CSV (RFC 4180): a row each, a column for every field and for every foreign attribute; lists with `; ` between.
 
+Spreadsheets of countries that write 1,5 put semicolons between cells, or tabs: a header that is one cell between commas, and several between
+those, says so. They may begin with a line `sep=;`, which names the character.
 A cell that a spreadsheet would take for a formula begins with an apostrophe, which is taken off when it is read.
 """
 
@@ -7,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.json_text import named_twice
@@ -18,6 +21,8 @@ from trackmarshal.trace.values import Table
 OF_DOCUMENT = ("document", "document_title", "document_source")
 _FORMULAS = ("=", "+", "-", "@", "\t", "\r", "'")
 _LONGEST = 131_072  # of a cell, for Python's reader
+_DIVIDERS = (",", ";", "\t")
+_NAMED = re.compile(r"sep=([,;\t])\r?\n", re.IGNORECASE)
 
 
 def write(documents: Sequence[Document], shown: str) -> bytes:
@@ -48,7 +53,8 @@ def write(documents: Sequence[Document], shown: str) -> bytes:
 
 def read(data: bytes, shown: str) -> list[Draft]:
     """The documents of a CSV file with a header; raises T350 for what is no CSV, T358 for its columns."""
-    rows = _rows(decoded(data, shown), shown)
+    text = decoded(data, shown, "save the file as UTF-8; spreadsheets call it `CSV UTF-8`")
+    rows = _rows(text, shown)
     line, head = next(rows, (1, []))
     names = [_text(cell).strip() for cell in head]
     twice = named_twice(names)
@@ -95,9 +101,12 @@ def read(data: bytes, shown: str) -> list[Draft]:
 
 
 def _rows(text: str, shown: str) -> Iterator[tuple[int, list[str]]]:
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    named = _NAMED.match(text)
+    begin = named.end() if named else 0
+    divider = named[1] if named else _divider(text)
+    reader = csv.reader(io.StringIO(text[begin:], newline=""), delimiter=divider, strict=True)
     while True:
-        line = reader.line_num + 1
+        line = reader.line_num + 1 + bool(named)
         try:
             cells = next(reader, None)
         except csv.Error as problem:
@@ -112,6 +121,18 @@ def _rows(text: str, shown: str) -> Iterator[tuple[int, list[str]]]:
             return
         if cells:
             yield line, cells
+
+
+def _divider(text: str) -> str:
+    """What stands between the cells of the header."""
+    for divider in _DIVIDERS:
+        try:
+            head = next(csv.reader(io.StringIO(text, newline=""), delimiter=divider, strict=True), [])
+        except csv.Error:
+            break  # which is said when it is read
+        if len(head) > 1:
+            return divider
+    return _DIVIDERS[0]
 
 
 def _joined(value: Value) -> str:

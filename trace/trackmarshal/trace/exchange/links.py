@@ -26,6 +26,8 @@ def check(
     first: dict[str, Place] = dict(there)
     for one in [one for document in documents for one in document.requirements]:
         id_ = one.text("id")
+        if not id_:
+            continue  # which is an error already
         if id_ in first:
             also = ((first[id_], "first given here"),)
             found.append(

@@ -12,14 +12,14 @@ class Refused(TrackmarshalError):
         super().__init__(code, message, file=file or None, line=line or None, help=help or None)
 
 
-def decoded(data: bytes, shown: str) -> str:
+def decoded(data: bytes, shown: str, help: str = "save the file as UTF-8") -> str:
     """The text of a file in UTF-8, with or without byte order mark; raises T350 for another encoding and for an empty file."""
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         message = f"byte {data[problem.start]:#04x} at offset {problem.start} is not UTF-8"
-        raise Refused("T350", message, shown, line, "save the file as UTF-8") from None
+        raise Refused("T350", message, shown, line, help) from None
     if not text.strip():
         raise Refused("T350", "the file is empty", shown, 1, "export it again")
     return text
