@@ -123,6 +123,36 @@ def test_where_a_quantifier_ends_is_asked(formula: str, word: str, tmp_path: Pat
     assert [found.code for found in allowed.found] == ([] if word else ["W303"])
 
 
+@pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "for all o in objects: o.v < ego.v implies fast",
+        "for all o in objects: o.v < ego.v iff fast",
+        "fast xor exists o in objects: o.v < ego.v xor fast",
+        "fast implies for all o in objects: o.v < ego.v implies ego.v > 1 m/s",
+        "fast and for all o in objects: o.v < ego.v implies ego.v > 1 m/s",
+        "fast or not for all o in objects: exists p in objects: p.v < o.v implies fast",
+    ],
+)
+def test_the_formatter_does_not_answer_where_a_quantifier_ends(
+    formula: str, long: bool, tmp_path: Path
+) -> None:
+    """It wrote the parentheses that the author is asked for, and the warning was gone."""
+    if long:
+        formula = formula.replace("ego.v", "min(ego.v, " + "100000 m/s, " * 10 + "1 m/s)", 1).replace(
+            "p.v", "min(p.v, " + "100000 m/s, " * 10 + "1 m/s)"
+        )
+    more = 'signal objects : set of object { v: m/s }\nevent fast "f"\n'
+    made = compiled(tmp_path, more + rule("a", formula))
+    assert [found.code for found in made.found] == ["W307"]
+    laid = format_text(SourceFile("made.spec", HEAD + more + rule("a", formula)))
+    assert (len(laid.partition("require")[2].strip().splitlines()) > 1) == long
+    (tmp_path / "made.spec").write_text(laid, "utf-8")
+    again = compile_paths([tmp_path / "made.spec"], tmp_path)
+    assert [found.code for found in again.found] == ["W307"]
+
+
 def test_where_a_quantifier_ends_makes_the_difference(tmp_path: Path) -> None:
     """What the warning is about: of two cars, one is ahead. With what is written first, nothing is demanded."""
     more = 'signal objects : set of object { v: m/s }\nevent fast "f"\n'

@@ -27,6 +27,9 @@ LEVELS = {
     "*": (PRODUCT, PRODUCT, FACTOR), "/": (PRODUCT, PRODUCT, FACTOR), "^": (POWER, POSTFIX, POSTFIX),
 }  # fmt: skip
 
+#: Whether a quantifier on their left goes on past them, W307 asks the author: parentheses that the formatter wrote would answer for him.
+ASKED = ("implies", "iff", "xor")
+
 _SIGNS = {"<=": "≤", ">=": "≥", "!=": "≠", "and": "∧", "or": "∨", "implies": "→", "iff": "↔", "*": "·", "not": "¬",
           "for all": "∀", "exists": "∃", "in": "∈"}  # fmt: skip
 _SQUARE_OR_CUBE = re.compile(r"\^([23])(?![0-9])")
@@ -160,7 +163,8 @@ class Notation:
         if node.op == "^":
             return self.base(node.left) + self.exponent(node.right)
         _, left, right = LEVELS[node.op]
-        return f"{self.operand(node.left, left, False)} {self.sign(node.op)} {self.operand(node.right, right, True)}"
+        first = self.operand(node.left, left, node.op in ASKED)
+        return f"{first} {self.sign(node.op)} {self.operand(node.right, right, True)}"
 
     def _chained(self, node: ast.Chained) -> str:
         first, *rest = node.operands

@@ -8,6 +8,7 @@ from typing import Any
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.notation import (
     ADDITIVE,
+    ASKED,
     EXPRESSION,
     IMPLICATION,
     LEVELS,
@@ -99,15 +100,15 @@ class Wrapping:
             return self.lay(node.left, POSTFIX, column, tail + len(exponent)) + exponent
         first, rest = _chain(node)
         level, left, right = LEVELS[node.op]
-        text = self._operand(first, left, False, column)
+        text = self._operand(first, left, node.op in ASKED, column)
         inner = column + 2
         for number, (op, operand) in enumerate(rest):
             last = number == len(rest) - 1
             sign = self.notation.sign(op) + " "
             # Of `a implies b implies c`, b is a left operand too.
-            wanted, open_end = (left, False) if level == IMPLICATION and not last else (right, True)
+            wanted = left if level == IMPLICATION and not last else right
             text += new_line(inner) + sign
-            text += self._operand(operand, wanted, open_end, inner + len(sign), tail if last else 0)
+            text += self._operand(operand, wanted, True, inner + len(sign), tail if last else 0)
         return text
 
     def _chained(self, node: ast.Chained, column: int, tail: int) -> str:
