@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.ir.margins import MIXED
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.straight import Fields, curvatures, straightened
@@ -98,9 +98,15 @@ class Evaluator:
     ) -> None:  # fmt: skip
         from trackmarshal.backends.results import chosen_rules
 
+        if not isinstance(spec, Spec):
+            raise wrong_type("a spec is what `load` and `loads` return", spec)
+        if not callable(declared):
+            raise wrong_type("`declared` is a function", declared)
         if names is not None and not isinstance(names, str):
+            if not isinstance(names, Iterable):
+                raise wrong_type("the rules are a list of names", names)
             names = tuple(names)  # of what can be gone through once, too
-        if backend not in BACKENDS:
+        if not isinstance(backend, str) or backend not in BACKENDS:
             help_ = close_matches(str(backend), BACKENDS) or f"there are {', '.join(BACKENDS)}"
             raise TrackmarshalError("E405", f"there is no backend `{backend!s:.40}`", help=help_)
         if isinstance(names, str):  # which is a sequence of letters
@@ -108,6 +114,8 @@ class Evaluator:
                 "E401", f"`{names}` is one text", help=f"give a list of rules: [{names!r}]"
             )
         for name in names or ():
+            if not isinstance(name, str):
+                raise wrong_type("the name of a rule is a text", name)
             rule = spec.rule(name)
             if rule is None:
                 known = [rule.name for rule in spec.rules]
@@ -155,6 +163,8 @@ class Evaluator:
 
     def read_all(self, raws: Iterable[object]) -> list[Frame]:
         """Cases from plain data in one go: the same as `read` of each, cheaper; raises TrackmarshalError."""
+        if not isinstance(raws, Iterable):
+            raise wrong_type("cases are a list of them", raws)
         with self.alone:
             return self._read_all(raws)
 
@@ -240,7 +250,10 @@ class Evaluator:
 
     def evaluate(self, frames: Iterable[Frame], series: bool = False) -> Iterator[CaseResult]:
         """The results of cases, in order, with witnesses."""
-        frames = list(frames)
+        frames = list(frames) if isinstance(frames, Iterable) else [frames]
+        for frame in frames:
+            if not isinstance(frame, Frame):
+                raise wrong_type("a frame is what `read` makes of a case", frame)
         for start in range(0, len(frames), CHUNK):
             for judged in self.judge_all(frames[start : start + CHUNK]):
                 for name, rated in judged.rated.items():
@@ -516,8 +529,13 @@ def load(
     """Compile files and folders, with the values of configuration modules put in; raises Diagnostics."""
     from trackmarshal.semantics.compile import compile_paths
 
-    given = [paths] if isinstance(paths, (str, Path)) else list(paths)
-    return configured(compile_paths([Path(path) for path in given], shown_from), configuration, shown_from)
+    _check_shown_from(shown_from)
+    given = _paths(paths)
+    if not given:  # as of a pattern that fits nothing: a spec without rules would find nothing wrong
+        raise TrackmarshalError(
+            "E006", "there is no file to load", help="name a .spec file, or a folder with some"
+        )
+    return configured(compile_paths(given, shown_from), configuration, shown_from)
 
 
 def loads(
@@ -530,7 +548,8 @@ def loads(
     from trackmarshal.semantics.compile import compile_text
 
     if not isinstance(text, str):
-        raise TypeError(f"a spec is a text, not {type(text).__name__}; `load` reads files")
+        raise wrong_type("the text of a spec is a text (`load` reads files)", text)
+    _check_shown_from(shown_from)
     return configured(compile_text(text, shown_from), configuration, shown_from)
 
 
@@ -540,9 +559,26 @@ def configured(
     """A compiled spec with the values of configuration modules put in; raises Diagnostics for what is wrong with any of them."""
     compiled.raise_errors()
     spec = compiled.spec
-    for path in [configuration] if isinstance(configuration, (str, Path)) else configuration:
-        spec = configure(spec, _settings(Path(path), shown_from, compiled))
+    for path in _paths(configuration):
+        spec = configure(spec, _settings(path, shown_from, compiled))
     return spec
+
+
+def _paths(given: str | Path | Iterable[str | Path]) -> list[Path]:
+    """One path or several; raises TypeError."""
+    paths = [given] if isinstance(given, (str, Path)) else given
+    if not isinstance(paths, Iterable):
+        raise wrong_type("files and folders are a path or a list of paths", given)
+    paths = list(paths)
+    for path in paths:
+        if not isinstance(path, (str, Path)):
+            raise wrong_type("a path is a text or a `Path`", path)
+    return [Path(path) for path in paths]
+
+
+def _check_shown_from(folder: Path | None) -> None:
+    if folder is not None and not isinstance(folder, (str, Path)):
+        raise wrong_type("`shown_from` is a folder", folder)
 
 
 def _settings(path: Path, shown_from: Path | None, compiled: Compiled) -> Spec:

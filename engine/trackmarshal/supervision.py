@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import BACKENDS, Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
@@ -86,6 +86,17 @@ def supervisor(
     keeps the run, and snapshots after how many cycles it also keeps what a replay from the middle starts with (0: never). Raises TrackmarshalError D203, D204, E401, E403, E404, E405, E481, E482, E483 or E485; E470 to E473 for what generated C
     cannot do, where it is asked for.
     """
+    for name, values in (("params", params), ("tables", tables)):
+        if values is not None and not isinstance(values, Mapping):
+            raise wrong_type(f"`{name}` are values by name", values)
+    if limits is not None and not isinstance(limits, Limits | Mapping):
+        raise wrong_type("`limits` are `Limits`, or values by name", limits)
+    if not callable(clock):
+        raise wrong_type("`clock` is a function that gives seconds", clock)
+    if record is not None and not isinstance(record, str | Path):
+        raise wrong_type("`record` is the path of a file", record)
+    if type(snapshots) is not int:
+        raise wrong_type("`snapshots` is a whole number of cycles", snapshots)
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
     held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
     made = box.running(held, clock)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.integration import adapter as written
 from trackmarshal.integration.findings import Finding, at_the_door, of_motion, of_structure
 from trackmarshal.integration.mapped import Mapped, read
@@ -132,6 +132,17 @@ def check_planner(
     borders. most: how many cycles are looked at. driving, emergency: where the trajectories are (`plans.nominal`), where they are not found.
     What is taken for what is a suggestion by names and numbers: a person has to look it over. Raises D195, D196, and D12x of recordings.
     """
+    if not isinstance(spec, Spec):
+        raise wrong_type("a spec is what `load` and `loads` return", spec)
+    if not isinstance(most, int):
+        raise wrong_type("`most` is a number of cycles", most)
+    if not isinstance(source, str | Path | Iterable):
+        raise wrong_type("cycles are a file, or a list of mappings", source)
+    for where, given_as in (("driving", driving), ("emergency", emergency)):
+        if given_as is not None and not isinstance(given_as, str):
+            raise wrong_type(f"`{where}` is where that trajectory is, as `plans.nominal`", given_as)
+    if header is not None and not isinstance(header, Mapping):
+        raise wrong_type("`header` is a mapping", header)
     if most < 1:
         raise TrackmarshalError("D195", f"{most} cycles", help="look at one at least")
     name = "the planner"

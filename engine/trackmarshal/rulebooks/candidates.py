@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Sized
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from typing import Protocol, runtime_checkable
 
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.rulebooks import choosing, comparing
 from trackmarshal.rulebooks.choosing import Choice
 from trackmarshal.rulebooks.comparing import Comparison, Violations
@@ -55,7 +55,10 @@ def compare(order: Order, first: Candidate, second: Candidate) -> Comparison:
 def choose(order: Order, candidates: Sequence[Candidate] | Outcomes) -> Choice:
     """The candidates that no other one beats; of a batch, each case is one. Raises TrackmarshalError E409."""
     if isinstance(candidates, Outcomes):
+        _check_order(order)
         return choosing.choose(order, _of_batch(order, candidates))
+    if not isinstance(candidates, Iterable) or isinstance(candidates, Mapping | str):
+        raise wrong_type("candidates are a list of them, or a `Batch`", candidates)
     return choosing.choose(order, [violations(order, candidate) for candidate in candidates])
 
 
@@ -65,15 +68,28 @@ def violations(order: Order, candidate: Candidate) -> Violations:
     Where a candidate breaks the input contract and rules are evaluated all the same (a value outside its range), or where a constraint of the spec does not hold, they
     say nothing that could be relied on: all of them count as undefined. Raises TrackmarshalError E409 for a rule that was left out, and for a run of no cycles.
     """
+    _check_order(order)
     if isinstance(candidate, CaseResult):
         return _of_case(order, candidate)
     if isinstance(candidate, Mapping):
         _complete(order, candidate)
+        for rule in order.rules:
+            if not isinstance(candidate[rule], tuple | list) or len(candidate[rule]) != 2:
+                raise wrong_type("of each rule, a candidate has a verdict and a margin", candidate[rule])
         return {rule: violation(*candidate[rule]) for rule in order.rules}
-    cycles = [_of_case(order, result) for result in candidate]
+    results = list(candidate) if isinstance(candidate, Iterable) else [candidate]
+    for result in results:
+        if not isinstance(result, CaseResult):
+            raise wrong_type("a candidate is what `Evaluator.case` returns, or a list of that", result)
+    cycles = [_of_case(order, result) for result in results]
     if not cycles:
         raise TrackmarshalError("E409", "a candidate is a run of no cycles", help="give at least one cycle")
     return {rule: worst(cycle[rule] for cycle in cycles) for rule in order.rules}
+
+
+def _check_order(order: Order) -> None:
+    if not isinstance(order, Order):
+        raise wrong_type("an order is what `rulebook` returns", order)
 
 
 def _of_case(order: Order, result: CaseResult) -> Violations:

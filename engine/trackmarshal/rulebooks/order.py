@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.ir.ranking import above
 from trackmarshal.ir.spec import RulebookInfo, Spec
 
@@ -34,6 +34,10 @@ class Order:
 
 def rulebook(spec: Spec, name: str) -> Order:
     """The rulebook of a spec by its name. Raises TrackmarshalError E408 where there is none, or more than one."""
+    if not isinstance(spec, Spec):
+        raise wrong_type("a spec is what `load` and `loads` return", spec)
+    if not isinstance(name, str):
+        raise wrong_type("the name of a rulebook is a text", name)
     found = [book for book in spec.rulebooks if book.name == name]
     if len(found) > 1:
         places = " and ".join(str(book.span) for book in found)

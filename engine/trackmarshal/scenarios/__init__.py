@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 
 if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
@@ -21,6 +21,10 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
     """
     from trackmarshal.scenarios import content
 
+    if not isinstance(path, str | Path):
+        raise wrong_type("a recording is read from a path", path)
+    if shown is not None and not isinstance(shown, str):
+        raise wrong_type("`shown` is a text", shown)
     path = Path(path)
     shown = shown or str(path)
     data = content.read(path, shown)

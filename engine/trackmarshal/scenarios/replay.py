@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.decision import Decision
@@ -133,6 +133,12 @@ def replay(
     brief: what decided is looked for where a rule is against a candidate, and nowhere else. keep: what was seen and computed in each cycle
     is kept, for whoever explains it, or asks for the `whole`.
     """
+    if not isinstance(recording, Recording):
+        raise wrong_type("a recording is what `load_recording` returns", recording)
+    if not isinstance(evaluator, Evaluator):
+        raise wrong_type("an evaluator is an `Evaluator` of a spec", evaluator)
+    if not callable(watch):
+        raise wrong_type("`watch` is a function", watch)
     spec = evaluator.spec
     _check_labels(recording, spec)
     tables, ignored = known_tables(recording, spec)

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 from trackmarshal.backends.over_run.history import Past
 from trackmarshal.backends.over_run.keeping import Keeping
 from trackmarshal.backends.over_run.program import Remembering, remembers
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.contract import FOLLOWED
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
@@ -35,6 +35,10 @@ def cycles(recording: Recording, declared: frozenset[str] = frozenset()) -> Iter
 
     declared: names (`ego.kappa`) that it may have besides those of its format and header, and of the spec that it is for.
     """
+    if not isinstance(recording, Recording):
+        raise wrong_type("a recording is what `load_recording` returns", recording)
+    if not isinstance(declared, frozenset | set):
+        raise wrong_type("`declared` is a set of names", declared)
     also = own_names(recording) | declared
     track = {
         name: line_of(line) if isinstance(line, list) and line and _is_line(line) else line

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.errors import TrackmarshalError
+from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.trajectories import along, conventions, rest
 from trackmarshal.trajectories.columns import arrays, equally_long, lists, numbers
 from trackmarshal.trajectories.resample import resampled
@@ -57,6 +57,9 @@ def heading_from(
     zero: where a heading of 0 points to: `+x`, `+y`, `-x`, `-y`, `east`, `north`, `west`, `south`, or rad from +x. clockwise: whether
     it grows to the right. degrees: whether it is in degrees. Raises D191, D193.
     """
+    for name, flag in (("clockwise", clockwise), ("degrees", degrees)):
+        if not isinstance(flag, bool):  # "no" would be true
+            raise wrong_type(f"`{name}` is True or False", flag)
     if isinstance(heading, int | float) and not isinstance(heading, bool):
         return conventions.converted([float(heading)], zero, clockwise, degrees)[0]
     read = numbers("heading", heading)

@@ -24,7 +24,10 @@ Floats = NDArray[np.float64]
 
 def line(points: Any) -> Line:
     """A line of an array or a list of points [x, y] in m, which are copied; raises ValueError for anything else."""
-    array = np.array(points, dtype=np.float64)
+    try:
+        array = np.array(points, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"a line is a list of points [x, y] of numbers, not {points!r:.60}") from None
     if array.ndim != 2 or array.shape[1] != 2:
         raise ValueError(f"a line is a list of points [x, y], not of shape {array.shape}")
     # numpy lets nobody write to memory that is bytes.
