@@ -37,6 +37,8 @@ class FieldType(Node):
     enumeration: Enumeration | None = None
 
 
+#: The kind of a field whose type has an error: nothing that reads it has one of its own.
+UNKNOWN = "unknown"
 #: The kind of a timeline that is no input: what was driven, and what is planned.
 COURSE = "course"
 

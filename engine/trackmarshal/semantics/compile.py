@@ -15,6 +15,7 @@ from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import (
+    UNKNOWN,
     ConstraintInfo,
     FieldType,
     ParamInfo,
@@ -357,7 +358,7 @@ class _Compiler:
                 self.found.append(
                     UnknownUnit(at, "unit or enumeration", field.type, self._type_hint(field.type, scope))
                 )
-            return FieldType(field.name, "number", "1", False, None, None, None, field.span)
+            return FieldType(field.name, UNKNOWN, "1", False, None, None, None, field.span)
         made = declared(symbol.item, symbol.module)
         if field.range or field.increasing:
             self.found.append(BadValue(field.span, "a member of an enumeration has no range or order"))

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, known
-from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
+from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
 from trackmarshal.semantics.advice import Advice, ends_early
@@ -361,6 +361,8 @@ class Expressions:
             if isinstance(record, typed.ParameterRecord):
                 return self._parameter(record.symbol, expr.name, dimension, span)
             field = None if value.signal is None else value.signal.field(expr.name)
+            if field is not None and field.kind == UNKNOWN:
+                raise Poison
             return typed.Field(
                 dimension, "" if field is None else own_unit(field.unit), value, expr.name, span
             )

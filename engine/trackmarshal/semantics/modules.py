@@ -160,9 +160,10 @@ class Library:
         self.found += found
         names = [item for item in tree.items if isinstance(item, ast.ModuleName)]
         top = Span(file, 0, min(len(file.text), 1))
-        broken = _broken(file, tree) if found else {}
+        broken = _broken(file, tree) if found else []
+        keywords = {keyword for _, keyword in broken}
         if not names:
-            if "module" not in broken.values():
+            if "module" not in keywords:
                 hint = f"start it with `module {'NAME' if file.path == TEXT else _as_name(path.stem)}`"
                 self.found.append(ModuleName(top, "the file does not say which module it is", hint))
             name = path.stem
@@ -179,10 +180,10 @@ class Library:
         uses = tuple(item for item in tree.items if isinstance(item, ast.Use))
         declared = {
             spelled(word)
-            for word, keyword in broken.items()
+            for word, keyword in broken
             if keyword not in ("module", "use", "test", "constrain", "scale")
         }
-        module = LoadedModule(name, path, file, tree, uses, declared, "use" not in broken.values())
+        module = LoadedModule(name, path, file, tree, uses, declared, "use" not in keywords)
         if name in self.modules:
             other = self.modules[name]
             at, first = (_named(m.tree, Span(m.file, 0, min(len(m.file.text), 1))) for m in (module, other))
@@ -228,10 +229,10 @@ def _parsed(file: SourceFile) -> tuple[ast.Module, list[Diagnostic]]:
 _DECLARED = re.compile(r"^([A-Za-z_]\w*)[ \t]+([^\W\d][\w.-]*)", re.MULTILINE)
 
 
-def _broken(file: SourceFile, tree: ast.Module) -> dict[str, str]:
-    """What is named on lines in column 1 that are not in the tree, since they have errors of syntax: name -> keyword."""
+def _broken(file: SourceFile, tree: ast.Module) -> list[tuple[str, str]]:
+    """What is named on lines in column 1 that are not in the tree, since they have errors of syntax: each name with its keyword; a rule and its tests share theirs."""
     parsed = {item.__dict__["span"].start for item in tree.items}
-    return {match[2]: match[1] for match in _DECLARED.finditer(file.text) if match.start() not in parsed}
+    return [(match[2], match[1]) for match in _DECLARED.finditer(file.text) if match.start() not in parsed]
 
 
 def declared(text: str) -> dict[str, str]:

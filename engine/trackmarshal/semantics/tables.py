@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.ir.spec import Across, TableInfo
 from trackmarshal.ir.tables import Way, in_period
+from trackmarshal.semantics.calls import decimal_comma
 from trackmarshal.semantics.errors import BadValue, Duplicate, TablePeriod, TableShape
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -69,6 +70,7 @@ def _check_shape(self: Expressions, item: ast.Table) -> None:
             at = _span(row[0]).to(_span(row[-1]))
             has, wanted = _values(len(row) - 1), _values(width)
             hint = "a table of one argument has a knot and a value in each row" if second is None else ""
+            hint = decimal_comma(*map(_span, row)) or hint
             self.fail(
                 TableShape(at, second.span if second else None, f"this row has {has}, not {wanted}", hint)
             )

@@ -41,6 +41,7 @@ FOREIGN_WORDS = {
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
 _COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
+_PARTS = re.compile(r"(?<![\w.,])[0-9]+,[0-9]+(?![\w.])")
 #: A unit, or the rest of one, whose last part has a digit.
 _POWER = re.compile(r"/?(?:[A-Za-z]{1,3}[/*·])*([A-Za-z]{1,3})([23])\b")
 #: A number whose digits somebody groups.
@@ -81,6 +82,12 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
     for number in _COMMAS.finditer(text, max(0, start - 40), start + 40):
         if number.start() < start < number.end():
             return _without_comma(number.group())
+    if found == "," and (before := text[_line_start(text, start) : start]) and expected & {"RSQB", "RPAR"}:
+        # Of `in [0,5 m, 2,5 m]` and `(0,5 m, 1 m)`, the second comma is one too many.
+        opened = open_brackets(before)
+        parts = _PARTS.search(before, opened[-1][1] if opened else 0)
+        if parts:
+            return _without_comma(parts.group())
     if found == "(" and "TIMES" in expected and re.search(r"[0-9)][ \t]*\Z", text[:start]):
         return "write `*` to multiply"
     if found == "=" and "COMPARE" in expected and "COLON" in expected:
@@ -108,6 +115,10 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         if hint and (found != "|" or "AND" in expected) and (found != "~" or "NOT" in expected):
             return hint
     return _ACROSS.get(text[max(0, start - 1) : start + 1], "") if found else ""
+
+
+def _line_start(text: str, at: int) -> int:
+    return text.rfind("\n", 0, at) + 1
 
 
 def _without_comma(number: str) -> str:

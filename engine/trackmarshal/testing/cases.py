@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import pairwise
 from typing import Any, NoReturn
 
 from trackmarshal import typed
@@ -12,7 +14,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, margin_units, own_unit
 from trackmarshal.ir.overrun import nanoseconds
-from trackmarshal.ir.spec import Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
+from trackmarshal.ir.spec import UNKNOWN, Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
@@ -284,9 +286,9 @@ class _Preparation:
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
         if signal.many:
-            return self._x.all(
-                *(lambda e=element: self._record(signal, e) for element in self._list(entry.value))
-            )
+            elements = self._list(entry.value)
+            with self._told_once(elements):
+                return self._x.all(*(lambda e=element: self._record(signal, e) for element in elements))
         if signal.sequence:
             columns = self._columns(signal, entry.value)
             self._x.all(*(lambda c=change: self._change(signal, columns, c) for change in entry.changes))
@@ -323,6 +325,8 @@ class _Preparation:
             for field in signal.fields_:
                 if field.name in built:
                     unit = _COLUMNS[field.name]
+                    if field.kind == UNKNOWN:
+                        raise Poison
                     if (
                         field.enumeration
                         or field.kind != "number"
@@ -344,9 +348,37 @@ class _Preparation:
 
         def column(field_name: str, content: ast.Expr) -> list[Any]:
             field = self._field(signal, field_name, _span(content))
-            return self._x.all(*(lambda e=element: self._scalar(field, e) for element in self._list(content)))
+            values = self._list(content)
+            with self._told_once(values):
+                return self._x.all(*(lambda e=element: self._scalar(field, e) for element in values))
 
-        return self._entries(value, column)
+        columns = self._entries(value, column)
+        lengths = {len(entries) for entries in columns.values()}
+        for name, content in zip(value.names, value.values):
+            comma = _decimal_comma(self._list(content))
+            if comma and len(lengths) > 1:
+                self.fail(
+                    _span(content),
+                    f"`{name}` has {len(columns[name])} entries, others have more or fewer",
+                    comma,
+                )
+        return columns
+
+    @contextmanager
+    def _told_once(self, values: Sequence[ast.Expr]) -> Iterator[None]:
+        """What is wrong with the entries of a list in the same way is told of the first of them; where commas made more of them, it says so."""
+        begin = len(self._found)
+        try:
+            yield
+        finally:
+            first: dict[str, Diagnostic] = {}
+            for item in self._found[begin:]:
+                first.setdefault(item.message if isinstance(item, BadGiven) else repr(item), item)
+            comma = _decimal_comma(values)
+            self._found[begin:] = [
+                BadGiven(**{**item.__dict__, "hint": comma}) if comma and isinstance(item, BadGiven) else item
+                for item in first.values()
+            ]
 
     def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
         field = self._field(signal, change.field, change.span)
@@ -379,6 +411,10 @@ class _Preparation:
             self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
+        comma = calls.decimal_comma(*map(_span, call.args))
+        if comma:
+            self.fail(call.span.word(call.function), f"`{call.function}` has a number in two parts", comma)
+
         def argument(place: int, named: str, value: ast.Expr) -> tuple[str, float]:
             parameter = builder.parameters.get(named)
             takes = f"`{builder.name}` takes " + ", ".join(builder.parameters)
@@ -442,6 +478,8 @@ class _Preparation:
         return kind
 
     def _scalar(self, field: FieldType, value: ast.Expr) -> Any:
+        if field.kind == UNKNOWN:
+            raise Poison
         if field.kind == "bool":
             if not isinstance(value, ast.Boolean):
                 self.fail(_span(value), f"`{field.name}` is true or false")
@@ -467,13 +505,16 @@ class _Preparation:
         return value.values
 
     def _points(self, value: ast.Expr) -> list[list[float]]:
-        return self._x.all(*(lambda r=row: self._pair(r, ("m", "m")) for row in self._list(value)))
+        rows = self._list(value)
+        with self._told_once(rows):
+            return self._x.all(*(lambda r=row: self._pair(r, ("m", "m")) for row in rows))
 
     def _pair(self, value: ast.Expr, units: tuple[str, str]) -> list[float]:
         parts = self._list(value)
         if len(parts) != 2:
             entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
-            self.fail(_span(value), f"a pair is needed here, this has {entries}", "write `[x, y]`")
+            hint = calls.decimal_comma(*map(_span, parts)) or "write `[x, y]`"
+            self.fail(_span(value), f"a pair is needed here, this has {entries}", hint)
         return self._x.all(
             *(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units))
         )
@@ -634,6 +675,13 @@ def _special(value: ast.Expr) -> float | None:
     if isinstance(value, ast.Name) and value.name in ("nan", "inf"):
         return math.nan if value.name == "nan" else sign * math.inf
     return None
+
+
+def _decimal_comma(values: Sequence[ast.Expr]) -> str:
+    """What to write for a list with decimal commas; empty where there are none, as in one of whole numbers that are written closely, `[0,1,2]`."""
+    spans = [_span(value) for value in values]
+    closely = all(a.file.text[a.end : b.start] == "," for a, b in pairwise(spans))
+    return "" if closely and all(span.text.isdecimal() for span in spans) else calls.decimal_comma(*spans)
 
 
 def _span(expr: ast.Expr) -> Span:
