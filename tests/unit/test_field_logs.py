@@ -135,6 +135,7 @@ def test_a_unit_or_a_convention_that_the_log_contradicts(
         ("horizon: 2", "horizon: .nan", "D151", 17),
         ("share: 0.9", "share: 1.5", "D151", 18),
         ("vehicle:", "vehikel:", "D151", None),
+        ("column: yaw, unit: rad/s}", "unit: rad/s, column: yaw #2\n    }", "D151", 10),
         ("specs/vehicles/av21.spec", "specs/vehicles/none.spec", "D178", None),
         ("left.csv", "nowhere.csv", "D178", None),
         ("time: {rate: 10}", "time: {rate: 10, from: 29}", "D176", None),

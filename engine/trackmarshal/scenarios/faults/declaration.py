@@ -104,7 +104,7 @@ def _fault(item: Item) -> Fault:
         if isinstance(plain, dict)
         else digest
     )
-    text = fields["open"].text() if "open" in fields else ""
+    text = fields["open"].said() if "open" in fields else ""
     return Fault(texts[0], texts[1], texts[2], begin, end, changes, expected, text, item.line, digest, says)
 
 

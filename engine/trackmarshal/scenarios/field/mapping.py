@@ -181,7 +181,7 @@ def _column(item: Item, unit: Item, dimension: Dimension) -> Column:
 
 def _column_name(item: Item) -> str | int:
     """A name, or the number of a column where it is nothing but digits."""
-    text = item.text()
+    text = item.said()
     return item.count(1, 10_000) if text.isascii() and text.isdigit() else text
 
 
@@ -220,7 +220,7 @@ def _span(fields: dict[str, Item]) -> tuple[float, float]:
 
 def _gap(item: Item) -> Gap:
     fields = item.fields(("from", "to", "because"))
-    return Gap(*_span(fields), fields["because"].text())
+    return Gap(*_span(fields), fields["because"].said())
 
 
 def _given(item: Item) -> dict[str, tuple[float, str]]:
@@ -232,11 +232,11 @@ def _given(item: Item) -> dict[str, tuple[float, str]]:
         fields = entry.fields(("value", "because"))
         if not fields["because"].text().strip():
             raise fields["because"].wrong("the reason is empty", "say where the number is from")
-        found[name] = fields["value"].number(), fields["because"].text()
+        found[name] = fields["value"].number(), fields["because"].said()
     return found
 
 
 def _finding(item: Item) -> Finding:
     fields = item.fields(("rule", "from", "to", "cause", "because"))
     cause = fields["cause"].choice(DECLARED_CAUSES)
-    return Finding(fields["rule"].text(), *_span(fields), cause, fields["because"].text())
+    return Finding(fields["rule"].text(), *_span(fields), cause, fields["because"].said())

@@ -41,15 +41,16 @@ def load(path: Path, shown: str) -> Recording:
     )
     truth = rule_truth.entries(list(fields["truth"].items()) if "truth" in fields else [])
     recording, columns = _archive(fields, path.parent, further)
-    texts = {key: tuple(item.text() for item in _list(fields, key)) for key in ("use", "notes")}
+    use = tuple(item.text() for item in _list(fields, "use"))
+    notes = tuple(item.said() for item in _list(fields, "notes"))
     params = fields["params"].any_fields() if "params" in fields else {}
     tables = fields["tables"].any_fields() if "tables" in fields else {}
     recording = replace(
         recording,
         name=fields["name"].text() if "name" in fields else recording.name,
         source=shown,
-        use=texts["use"],
-        notes=(*recording.notes, *texts["notes"]),
+        use=use,
+        notes=(*recording.notes, *notes),
         params={**recording.params, **{name: value.number() for name, value in params.items()}},
         because={name: why for name, why in recording.because.items() if name not in params},
         tables={**recording.tables, **{name: value.rows() for name, value in tables.items()}},

@@ -154,7 +154,7 @@ def load(path: Path, shown: str) -> Declaration:
         use=tuple(value.text() for value in _list(fields, "use")),
         notes=(
             *([f"the vehicle is that of {vehicle.spec}, whose values stand"] if vehicle.spec else []),
-            *(value.text() for value in _list(fields, "notes")),
+            *(value.said() for value in _list(fields, "notes")),
         ),
         specs=_specs(fields, path.parent, further, truth),
         further=further,
@@ -165,7 +165,7 @@ def load(path: Path, shown: str) -> Declaration:
 def _because(fields: dict[str, Item], overridden: set[str]) -> dict[str, str]:
     """Why parameters and tables are overridden, by name."""
     return (
-        {name: item.text() for name, item in fields["because"].fields((), sorted(overridden)).items()}
+        {name: item.said() for name, item in fields["because"].fields((), sorted(overridden)).items()}
         if "because" in fields
         else {}
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -14,6 +15,8 @@ from trackmarshal.scenarios import content
 MAX_BYTES = 100_000
 MAX_DEPTH = 20
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
+#: A comment behind a value.
+_COMMENT = re.compile(r"[ \t]+#[^\r\n]*")
 _PLAIN = "write the values out, as plain YAML"
 
 
@@ -63,7 +66,16 @@ def _composed(text: str, shown: str, loader: Any) -> Any:
         if message:
             line = None if event.start_mark is None else event.start_mark.line + 1
             raise TrackmarshalError("D150", message, file=shown, line=line, help=_PLAIN)
-    return yaml.compose(text, Loader=loader)
+    root: Any = yaml.compose(text, Loader=loader)
+    waiting: list[Any] = [] if root is None else [root]
+    while waiting:
+        node = waiting.pop()
+        if node.id == "scalar":
+            comment = None if node.style else _COMMENT.match(text, node.end_mark.index)
+            node.comment = comment[0].strip() if comment else ""
+        else:
+            waiting += chain.from_iterable(node.value) if node.id == "mapping" else node.value
+    return root
 
 
 class Item:
@@ -129,6 +141,17 @@ class Item:
         if self._node.id != "scalar" or not self._node.value:
             raise self.wrong(f"{self._kind()} stands where a text is expected", "see docs/scenarios.md")
         return str(self._node.value)
+
+    def said(self) -> str:
+        """A text that people wrote, or a name as somebody else's file has it: whether what follows ` #` is a part of it, nobody could tell."""
+        text = self.text()
+        if self._node.comment:
+            message = f"the text ends before `{self._node.comment:.40}`, which is a comment to YAML"
+            raise self.wrong(
+                message,
+                "put the text in quotes: inside them what is a part of it, behind them what is a comment",
+            )
+        return text
 
     def choice(self, known: Sequence[str]) -> str:
         """One of these words."""
