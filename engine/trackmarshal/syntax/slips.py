@@ -41,6 +41,8 @@ FOREIGN_WORDS = {
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
 _COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
+#: What is a formula already, though its margin is a distance.
+_HOLDS = re.compile(r"\b(clear_of|inside)\b(?:(?!\b(?:and|or|implies)\b).)*\Z")
 _PARTS = re.compile(r"(?<![\w.,])[0-9]+,[0-9]+(?![\w.])")
 #: A unit, or the rest of one, whose last part has a digit.
 _POWER = re.compile(r"/?(?:[A-Za-z]{1,3}[/*·])*([A-Za-z]{1,3})([23])\b")
@@ -108,6 +110,9 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         "->",
     ):
         if expected & {"AND", "OR"} and "COMPARE" not in expected:
+            holds = _HOLDS.search(text[_line_start(text, start) : start])
+            if holds:
+                return f"`{holds[1]}` holds or does not; to keep a distance, make the footprint larger: `footprint(p, length + 1 m, width + 1 m)`"
             return "join what must hold together with `and`"
         return ""
     for length in (2, 1):
