@@ -82,3 +82,17 @@ def test_another_margin_or_another_unit_fails(
     ran, found, _ = outcomes(tmp_path, "either", v, gap, expect)
     assert found == []
     assert [(o.outcome, o.message) for o in ran] == [("failed", message)]
+
+
+def test_a_margin_that_is_another_in_its_last_bits_alone_says_so(tmp_path: Path) -> None:
+    """40 km/h less 30 km/h are not 10 km/h, in the last bit: `expected 10 km/h, got 10 km/h` was all that somebody was told."""
+    path = tmp_path / "slow.spec"
+    path.write_text(
+        'module slow\nsignal ego : state { v: km/h }\nrule slow "s"\n  require ego.v <= 40 km/h\n'
+        'test slow "t"\n  given ego = { v: 30 km/h }\n  expect satisfied, margin 10 km/h\n'
+    )
+    compiled = compile_paths([path], tmp_path)
+    tests, found = prepare(compiled)
+    assert found == []
+    (outcome,) = run_tests(compiled.spec, tests)
+    assert outcome.message.endswith(": the last bits differ, expect `margin about 10 km/h within ...`")

@@ -225,7 +225,10 @@ def mismatch(test: PreparedTest, result: RuleResult) -> str:
         unit, shown = result.unit, result.shown
         within = f" within {written(test.tolerance, unit, shown)}" if test.tolerance else ""
         expected = written(test.margin, unit, shown, 9)
-        return f"expected margin {expected}{within}, got {beside(result.margin, unit, shown, 12)}"
+        said = f"expected margin {expected}{within}, got {beside(result.margin, unit, shown, 12)}"
+        if not test.tolerance and written(result.margin, unit, shown, 9) == expected:
+            said += f": the last bits differ, expect `margin about {expected} within ...`"
+        return said
     unit = result.witness.unit if test.rule.unit == SCALED and result.witness else result.unit
     if test.unit is not None and unit != test.unit:
         return f"expected a margin in {test.unit}, the comparison that decides is in {unit}"
