@@ -213,3 +213,17 @@ def test_the_repository_knows_the_pieces_too() -> None:
     """`new` stands in any project; here only a name that is taken is tried."""
     status, _, err = run_command("new", "rule", "friction", "--project", str(REPOSITORY))
     assert (status, "error[E412]" in err) == (2, True)
+
+
+def test_a_signal_of_ones_own_that_a_scenario_lacks_is_given_under_signals(project: Path) -> None:
+    """Who declares a signal has every scenario fail with what is not there, and is told where it is given."""
+    (project / "specs" / "flags.spec").write_text(
+        'module flags\nenum flag { green, red }\nsignal race : state { flag: flag }\nrule go "g"\n  require race.flag is green\n'
+    )
+    scenario = project / "specs" / "scenarios" / "too_fast.yaml"
+    assert "a declaration gives `race` under `signals`" in run_command("replay", str(scenario))[1]
+    text = scenario.read_text("utf-8").replace("[../speed.spec]", "[../speed.spec, ../flags.spec]")
+    scenario.write_text(f"{text}signals:\n  race: {{at: {{0 s: {{flag: green}}}}}}\n", "utf-8")
+    status, said, _ = run_command("replay", str(scenario))
+    assert status == 0
+    assert "under `signals`" not in said

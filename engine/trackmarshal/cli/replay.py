@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.scenarios.replay import CycleOutcome, Replay
     from trackmarshal.semantics.compile import Compiled
+
+#: A signal that a cycle does not have.
+_ABSENT = re.compile(r"D211 (\w+): it is not there")
 
 CODES = {
     "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
@@ -434,6 +438,10 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
     lines += [f"input: {fault}" for fault in faults[:10]] + (
         [f"input: ... {len(faults) - 10} more"] if len(faults) > 10 else []
     )
+    absent = [found[1] for found in (_ABSENT.fullmatch(str(fault)) for fault in faults) if found]
+    if absent and recording.source.endswith((".yaml", ".yml")):
+        given = " and ".join(f"`{name}`" for name in absent)
+        lines.append(f"  help: a declaration gives {given} under `signals`: docs/scenarios.md")
     for truth in outcome.truths:
         judged = f"{truth.judged} cycles judged"
         if truth.inside:
