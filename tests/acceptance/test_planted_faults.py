@@ -251,6 +251,13 @@ def test_a_baseline_that_was_elsewhere_is_restored_as_the_message_says(name: str
     assert judged(project, rerun=True) == (0, [])
 
 
+def test_a_changed_scenario_hides_no_rule_without_a_test(project: Path) -> None:
+    """It was told as a consequence: whoever accepted the scenario met it only then."""
+    for name in ("a speed of a recording changed", "a rule without a test"):
+        next(fault for fault in FAULTS if fault.name == name).edit(project)
+    assert {code for code, _ in causes(judged(project)[1])} == {"T375", "T211"}
+
+
 def test_nothing_is_written_but_results(project: Path) -> None:
     """A gate that changes what it judges would be none."""
     (project / STORE).unlink()

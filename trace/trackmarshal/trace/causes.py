@@ -95,6 +95,8 @@ _BEFORE = frozenset(["T214", "T222", "T228", "T240", "T263", "T264", "T265", "T3
 _NOT_RUN = frozenset({"T241", "T262"})
 #: What is said of reviews themselves.
 _OF_REVIEWS = frozenset({"T167", "T168", "T382"})
+#: What is lacking of tests and readers is not lacking since a scenario is to show something else.
+_OF_TESTS_AND_READERS = frozenset({"T211", "T212", "T382"})
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
 _FAR = 2
 #: Steps of which two findings about one thing are told as one.
@@ -207,6 +209,8 @@ class _Folding:
         before, own = self._key[other], self._key[finding]
         if LEVELS.index(other.level) > LEVELS.index(finding.level):
             return False  # no error hides behind a warning
+        if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
+            return False
         if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
             return False
         if other.code == "T382" and finding.code not in _OF_REVIEWS:
