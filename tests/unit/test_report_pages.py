@@ -141,6 +141,22 @@ def test_index_says_what_was_assessed_what_is_missing_and_where(tmp_path: Path) 
     assert "A-WHO" in index.text
 
 
+def test_what_follows_from_a_finding_stands_below_it(tmp_path: Path) -> None:
+    """As in every other output: of one cause, the first screen had its consequences, and it came last."""
+    missing = [
+        {**MISSING[0], "message": "K-1 is open", "id": 1, "cause": 3},
+        {**MISSING[1], "message": "old evidence", "id": 2, "cause": 3},
+        {**MISSING[0], "message": "the scenario is another one", "id": 3, "cause": None},
+        {**MISSING[0], "message": "a rule has no test", "id": 4, "cause": None},
+    ]
+    index, _ = written(tmp_path, [record(tmp_path, overtaking())], summary=COVERED, missing=missing)
+    assert "3 findings must be mended" in index.text
+    assert "2 errors: must be mended; 2 more follow from them" in index.text
+    below = index.text.index("and 2 that follow from it")
+    assert index.text.index("the scenario is another one") < below < index.text.index("K-1 is open")
+    assert index.text.index("old evidence") < index.text.index("a rule has no test")
+
+
 @pytest.mark.parametrize(
     ("change", "word", "sentence"),
     [

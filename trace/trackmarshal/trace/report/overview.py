@@ -45,7 +45,7 @@ def index_context(
         "findings": [
             {"level": level, "words": words, "items": items}
             for level, words in LEVELS.items()
-            if (items := [f for f in findings if f["level"] == level])
+            if (items := [f for f in _standing(findings) if f["level"] == level])
         ],
         "shown": SHOWN_AT_ONCE,
         "gaps": _gaps(matrix_summary),
@@ -207,6 +207,16 @@ def _capital(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def _standing(findings: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Findings that stand for themselves, each with those that follow from it: one cause is mended once."""
+    known = {f["id"] for f in findings} - {None}
+    following: dict[int, list[dict[str, Any]]] = {}
+    for f in findings:
+        if f["cause"] in known:
+            following.setdefault(f["cause"], []).append(f)
+    return [{**f, "following": following.get(f["id"], [])} for f in findings if f["cause"] not in known]
+
+
 def _finding(raw: Mapping[str, Any]) -> dict[str, Any]:
     """A finding with its place as text: `place`, or `span`, or `file` and `line`."""
     level = raw.get("level", "error")
@@ -217,7 +227,8 @@ def _finding(raw: Mapping[str, Any]) -> dict[str, Any]:
         place = f"{raw['file']}:{raw['line']}" if raw.get("line") else raw["file"]
     return {
         "code": str(raw.get("code", "")), "level": level, "message": str(raw.get("message", "")),
-        "place": "" if place is None else str(place), "help": str(raw.get("help") or ""),
+        "place": "" if place is None else str(place), "help": str(raw.get("help") or ""), 
+        "id": raw.get("id"), "cause": raw.get("cause"), "following": [],
     }  # fmt: skip
 
 

@@ -47,7 +47,7 @@ def write_report(
 
     runs: records of `trackmarshal.scenarios.run_record`. matrix_html: address of the matrix's page from the folder, None
     where there is none. matrix_summary: the matrix as `trace --format json` writes it; of it `coverage`, `stages` and
-    `requirements` are used, where they are there. missing: findings {"code", "level", "message", "span" (or "place", or
+    `requirements` are used, where they are there. missing: findings {"code", "level", "message", "id", "cause" (the id of what it follows from), "span" (or "place", or
     "file" and "line"), "help"}. checks: {"modules", "rules", "errors", "warnings", "tests", "failed": numbers, "failures":
     [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test], "faults": (found as expected, put in)}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
