@@ -126,7 +126,7 @@ def test_the_job_of_gitlab(repository: Path, broken: bool) -> None:
     )
     assert found == ["trackmarshal-reports/gate.xml", "trackmarshal-reports/tests.xml"]
     assert all(("<failure" in (repository / path).read_text("utf-8")) == broken for path in found)
-    assert set(template["variables"]) == {"TRACKMARSHAL_PROJECT", "TRACKMARSHAL_PACKAGE"}
+    assert set(template["variables"]) == {"TRACKMARSHAL_PROJECT", "TRACKMARSHAL_PACKAGE", "GIT_DEPTH"}
 
 
 def scripts() -> dict[str, str]:
@@ -158,6 +158,26 @@ def test_every_command_is_one(script: str, repository: Path) -> None:
         _common(parser)
         module.configure(parser)
         assert parser.parse_args(words[1:]).project == "cars/one"
+
+
+@pytest.mark.parametrize(
+    ("step", "file"),
+    [
+        ("check", "specs/speed.spec"), ("check", "requirements/requirements.yaml"), ("test", "specs/speed.spec"),
+        ("gate", "specs/speed.spec"), ("gate", "requirements/requirements.yaml"),
+    ],
+)  # fmt: skip
+def test_a_step_of_the_action_says_why_it_fails(step: str, file: str, repository: Path) -> None:
+    """A file that cannot be read ended the step at its first command, whose words are in a report; the log had none."""
+    (repository / "cars/one" / file).write_bytes(b"\xff")
+    done = shell(repository, scripts()[f"action: {step}"], PROJECT="cars/one", REPORTS="reports")
+    assert done.returncode != 0
+    assert "is not UTF-8" in done.stdout + done.stderr
+    if step == "test":
+        assert f"::error file=cars/one/{file}" in done.stdout
+        report = (repository / "reports" / "tests.xml").read_text("utf-8")
+        assert wrong(report) == []
+        assert "E004" in report
 
 
 def test_the_hooks() -> None:

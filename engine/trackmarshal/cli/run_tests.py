@@ -15,6 +15,7 @@ from trackmarshal.cli import tests_shown
 from trackmarshal.cli.output import coloured, say, table
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
+from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
     from trackmarshal.testing.boundary import Distances
@@ -30,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.check import unconstrained
+    from trackmarshal.diagnostics.base import Diagnostics
     from trackmarshal.diagnostics.text import render
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
@@ -39,7 +41,15 @@ def run(args: argparse.Namespace) -> int:
     where = shown_from(args, project, ("json", "github", "junit"))
     paths = [Path(p) for p in args.paths] or spec_folders(find_project(args))
     compiled = compile_paths(paths, project)
-    compiled.raise_errors()
+    try:
+        compiled.raise_errors()
+    except TrackmarshalError as error:
+        wrong = error.items if isinstance(error, Diagnostics) else [error]
+        if args.format == "junit":  # what is empty is no report to those who read it
+            print(tests_shown.as_junit([], [], wrong, where), end="")
+        elif args.format == "github":
+            print(tests_shown.as_github([], [], wrong, where), end="")
+        raise
     tests, found = prepare(compiled)
     found = [*found, *unconstrained(compiled)]
     if found:

@@ -29,7 +29,10 @@ def as_json(outcomes: Sequence[Outcome], covered: Sequence[Coverage], where: Whe
 
 
 def as_github(
-    outcomes: Sequence[Outcome], covered: Sequence[Coverage], found: Sequence[Diagnostic], where: Where
+    outcomes: Sequence[Outcome],
+    covered: Sequence[Coverage],
+    found: Sequence[Diagnostic | TrackmarshalError],
+    where: Where,
 ) -> str:
     """A workflow command for each test that did not pass, each rule whose boundary is not covered, and each finding."""
     from trackmarshal.diagnostics.github import render
@@ -50,7 +53,10 @@ def as_github(
 
 
 def as_junit(
-    outcomes: Sequence[Outcome], covered: Sequence[Coverage], found: Sequence[Diagnostic], where: Where
+    outcomes: Sequence[Outcome],
+    covered: Sequence[Coverage],
+    found: Sequence[Diagnostic | TrackmarshalError],
+    where: Where,
 ) -> str:
     """A suite for each file with a test for each inline test; `coverage` with one for each rule; `findings` for what else there is."""
     from trackmarshal.junit.writing import render
@@ -61,7 +67,7 @@ def as_junit(
 def _lines(
     outcomes: Sequence[Outcome],
     covered: Sequence[Coverage],
-    found: Sequence[Diagnostic],
+    found: Sequence[Diagnostic | TrackmarshalError],
     called: Callable[[str], str],
 ) -> Iterator[Line]:
     from trackmarshal.junit.writing import Line
@@ -95,7 +101,10 @@ def _lines(
             line,
         )
     for item in found:
-        file, line = called(item.span.file.path), item.span.line
+        if isinstance(item, TrackmarshalError):
+            file, line = called(item.file or ""), item.line or 0
+        else:
+            file, line = called(item.span.file.path), item.span.line
         yield Line("findings", item.code, item.message, "failed", item.message, item.code, file, line)
 
 
