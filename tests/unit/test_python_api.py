@@ -572,3 +572,20 @@ def test_a_text_uses_modules_of_the_current_folder(tmp_path: Path, monkeypatch: 
     monkeypatch.chdir("/")
     with pytest.raises(Diagnostics, match="compact"):
         tm.loads(text)
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "said"),
+    [
+        (lambda e: e.batch({"plans": {"v": np.zeros((3, 2))}}), "D203", "nothing declares `plans`\n  help: did you mean `plan`?"),
+        (lambda e: e.batch({"signals": {"plan": {"v": np.zeros((3, 2))}}}), "D203", "a batch is given them by their names"),
+        (lambda e: e.case({"plan": {"t": [0.0, 1.0]}}), "D203", 'signals stand under `signals`: {"signals": {"plan": ...}}'),
+        (lambda e: e.case({"signals": {"plan": {"v": np.zeros((3, 2))}}}), "D202", "arrays of many cases are for `Evaluator.batch`"),
+    ],
+)  # fmt: skip
+def test_where_signals_stand_is_said(call: Any, code: str, said: str, evaluator: tm.Evaluator) -> None:
+    """What a case and a batch are is easily mixed up: the messages spoke of sizes, or suggested `places`."""
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        call(evaluator)
+    assert caught.value.code == code
+    assert said in str(caught.value)

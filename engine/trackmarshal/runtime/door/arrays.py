@@ -153,10 +153,17 @@ class ArraysReader:
             raise TrackmarshalError(
                 "D205", f"`{twice[0]}` is among the signals, and shared", help="leave one of the two out"
             )
+        reader, together, known = self._cases.reader, {**common, **given}, self._cases.contract.known
+        if "signals" in given and "signals" not in known:
+            raise TrackmarshalError(
+                "D203", "no signal is called `signals`", help="a case has them under `signals`; a batch is given them by their names"
+            )  # fmt: skip
+        faults = list[Fault]()
+        reader.refuse_unknown(together, faults, known)
+        faults = self._cases.refused(
+            faults
+        )  # before shapes are asked for: of a signal of another name there are none
         size = self._size(given, overrides)
-        reader, faults = self._cases.reader, list[Fault]()
-        together = {**common, **given}
-        reader.refuse_unknown(together, faults, self._cases.contract.known)
         template = Frame(orders=self._cases.orders)
         stacks: dict[str, _Stack] = {}
         for name, columns in reader.columns.items():

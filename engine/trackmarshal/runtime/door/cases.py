@@ -24,6 +24,9 @@ _SETTINGS = ("params", "tables", "places")
 #: Cases that are checked together; as many as are evaluated together, so that evaluation finds their numbers in one array.
 AT_ONCE = 500
 _MISSING = "null stands for a missing value; numbers are in the declared unit"
+_COLUMN = (
+    "a column is a list, or an array of numbers with one axis; arrays of many cases are for `Evaluator.batch`"
+)
 
 
 class CasesReader:
@@ -115,6 +118,8 @@ class CasesReader:
             if key not in KEYS:
                 name = key[:40] if isinstance(key, str) else values.worded(key)
                 hint = suggested(name, KEYS) or f"it may have {', '.join(sorted(KEYS))}"
+                if key in self.contract.known:
+                    hint = f'signals stand under `signals`: {{"signals": {{"{name}": ...}}}}'
                 raise TrackmarshalError("D203", f"a case has no `{name}`", help=hint)
         signals = raw.get("signals", {})
         if type(signals) is not dict and not isinstance(signals, Mapping):
@@ -178,7 +183,8 @@ def _refuse(fault: Fault) -> None:
     place = fault.signal + (f".{fault.field}" if fault.field else "")
     place += "" if fault.index is None else f"[{fault.index}]"
     if name == "wrong_type":
-        raise TrackmarshalError("D202", f"{place}: {fault.message}", help=_MISSING)
+        help_ = _COLUMN if fault.message.startswith("something else is no column") else _MISSING
+        raise TrackmarshalError("D202", f"{place}: {fault.message}", help=help_)
     message, _, hint = fault.message.partition("; ")
     raise TrackmarshalError(
         "D203", f"{fault.signal}: {message}", help=hint or "the spec's signals say what there may be"
