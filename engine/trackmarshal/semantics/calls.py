@@ -37,6 +37,7 @@ from trackmarshal.semantics.values import (
 from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.build import is_unit
 from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, name, over, parse_unit, power, quantity, show
 
 if TYPE_CHECKING:
@@ -298,7 +299,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, i
                 what,
                 quantity(wanted),
                 quantity(value.dimension),
-                unit_hint(value, wanted),
+                unit_hint(value, wanted, kind),
             )
         )
     self.advise(self.advice.in_unit(value, kind, f"argument `{name}`", parameter.span))
@@ -368,7 +369,7 @@ def _table(
         argument = parse_unit(argument_unit)[2]
         if not isinstance(value, typed.NumberNode) or value.dimension != argument:
             what = f"the argument{called_} of `{item.name}`"
-            hint = unit_hint(value, argument) if isinstance(value, typed.NumberNode) else ""
+            hint = unit_hint(value, argument, argument_unit) if isinstance(value, typed.NumberNode) else ""
             declared = item.span.head.word(argument_unit)
             self.fail(
                 WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint)
@@ -573,9 +574,14 @@ def decimal_comma(*spans: Span) -> str:
     return ""
 
 
-def unit_hint(value: typed.Number, wanted: Dimension) -> str:
-    """How a literal gets the dimension that is wanted; empty for what is no literal, or has no such unit."""
+def unit_hint(value: typed.Number, wanted: Dimension, declared: str = "") -> str:
+    """How a literal gets the dimension that is wanted; empty for what is no literal, or has no such unit.
+
+    declared: the unit of what it meets. Of a limit for a speed in km/h, whoever writes m/s as told has one that is 3.6 times as high.
+    """
     literal, unit = _LITERAL.fullmatch(value.span.text.strip()), show(wanted)
+    if declared and is_unit(declared) and parse_unit(declared)[2] == wanted:
+        unit = declared
     if literal is None or typed.literal(value) is None or "*" in unit or "(" in unit:
         return ""
     if wanted == NUMBER:

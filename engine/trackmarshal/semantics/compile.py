@@ -498,7 +498,7 @@ class _Compiler:
     def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
         value = self.x.number(item.value, self._context(module))
         if value.dimension != dimension:
-            hint = calls.unit_hint(value, dimension)
+            hint = calls.unit_hint(value, dimension, item.unit)
             if value.dimension == NUMBER and isinstance(item.value, ast.Number) and not item.value.unit:
                 hint = f"write the unit: `{item.value.text} {item.unit}`"
             what = f"parameter `{item.name}`"

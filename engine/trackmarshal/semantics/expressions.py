@@ -522,7 +522,8 @@ class Expressions:
             else ("first one", "second one")
         )
         hint = calls.decimal_comma(left.span, right.span)
-        hint = hint or calls.unit_hint(right, left.dimension) or calls.unit_hint(left, right.dimension)
+        hint = hint or calls.unit_hint(right, left.dimension, left.written)
+        hint = hint or calls.unit_hint(left, right.dimension, right.written)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
         self.fail(
             DimensionMismatch(

@@ -524,7 +524,7 @@ class _Preparation:
         special = _special(value)
         if special is not None:
             return special
-        number = self._si(value, parse_unit(unit)[2], what)
+        number = self._constant(value, what, parse_unit(unit)[2], unit)[0]
         literal = value.operand if isinstance(value, ast.Unary) else value
         if number != 0.0 and isinstance(literal, ast.Number) and not literal.unit and unit != "1":
             text = _span(value).text
@@ -538,9 +538,9 @@ class _Preparation:
         return self._constant(value, what, dimension)[0]
 
     def _constant(
-        self, value: ast.Expr, what: str, wanted: Dimension | None = None
+        self, value: ast.Expr, what: str, wanted: Dimension | None = None, declared: str = ""
     ) -> tuple[float, Dimension]:
-        """A constant in SI with its dimension, which may be given."""
+        """A constant in SI with its dimension, which may be given, and with that the unit in which it is declared."""
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
             self.fail(
                 _span(value),
@@ -549,7 +549,7 @@ class _Preparation:
         checked = self._x.number(value, self._ctx)
         if wanted is not None and checked.dimension != wanted:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
-            self.fail(_span(value), problem, calls.unit_hint(checked, wanted))
+            self.fail(_span(value), problem, calls.unit_hint(checked, wanted, declared))
         params = self._spec.params
         plain = typed.literal(checked)
         if plain is not None:
