@@ -37,7 +37,8 @@ _ACROSS = {
 #: Words of other languages where a quantifier or an operator stands.
 FOREIGN_WORDS = {
     "forall": "write `for all`", "foreach": "write `for all`", "every": "write `for all`", "each": "write `for all`",
-    "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
+    "all": "write `for all`", "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
+    "when": "write `whenever`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
 _COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
@@ -57,11 +58,35 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
     return (
         _misplaced(text, start, found, before, expected)
         or _sign(text, start, found, expected)
+        or _habit(text, start, found, before, expected)
         or _word(found, line, expected)
         or _structure(found, before, line, expected)
         or _strange(found)
         or _exponent(text, start)
     )
+
+
+def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
+    """What other languages, and English, would have here."""
+    keyword = before.split(maxsplit=1)[0] if before.split() else ""
+    line = before.rpartition("\n")[2]
+    if found == "for" and re.match(r"for\s+[0-9]", text[start : start + 20]):
+        return "what holds for 5 s is `historically[0 s, 5 s] (...)`, of the past, or `always[0 s, 5 s] (...)`, of what comes"
+    if found == "unless":
+        return 'write `... or EXCEPTION`; behind a `for all`, the clause `except CONDITION "reason"`'
+    if found == "if" and not line.strip() and keyword in ("rule", "assume"):
+        return "the condition of a rule is a clause of its own: `whenever CONDITION`"
+    if found == ":" and re.fullmatch(r"\s*(for\s+all|exists)\b[^(]*", line):
+        return "no `:` ends a clause: `require` follows in the next line; `for all p in plan: (...)` is for formulas"
+    if found == "|" and "MINUS" in expected and "AND" not in expected:
+        return "write `abs(...)` for an absolute value"
+    if found == "," and "AND" in expected and not open_brackets(before):
+        return "join what must hold together with `and`"
+    if found == "." and (given := re.search(r"\bgiven\s+(\w+)\Z", before)):
+        return f"give the whole record: `{given[1]} = {{ field: value }}`"
+    if found.isidentifier() and "STRING" in expected and keyword in ("rule", "test", "event", "zone", "enum"):
+        return "a name is one word, and a title stands between double quotes" if "\n" not in before else ""
+    return ""
 
 
 def _exponent(text: str, start: int) -> str:
