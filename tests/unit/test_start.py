@@ -227,3 +227,12 @@ def test_a_signal_of_ones_own_that_a_scenario_lacks_is_given_under_signals(proje
     status, said, _ = run_command("replay", str(scenario))
     assert status == 0
     assert "under `signals`" not in said
+
+
+def test_a_safety_case_before_anything_was_run_says_who_runs_it(project: Path) -> None:
+    asked = ("case", "--out", "case", "--format", "html")
+    assert "`trackmarshal assess` does" in run_command(*asked)[2]
+    assert run_command("assess")[0] == 0
+    status, _, said = run_command(*asked)
+    assert status == 0
+    assert "assess" not in said

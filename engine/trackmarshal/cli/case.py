@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from trackmarshal.trace.matrix import Matrix
 
 NAME = "safety-case"
+#: What was not run, or before something changed: tests, runs, faults.
+_NOT_UP_TO_DATE = frozenset({"T216", "T217", "T218", "T241", "T242", "T261", "T262"})
 #: So many letters that no font has are named.
 UNSHOWN = 8
 #: What is said where an extra is not installed, or a font lacks letters: the document comes without what it is for, and says so.
@@ -113,6 +115,8 @@ def _run(args: argparse.Namespace) -> int:
             f"{matrix.project}: {matrix.verdict}",
             file=sys.stderr,
         )
+        if any(finding.code in _NOT_UP_TO_DATE for finding in matrix.findings):
+            say("evidence is missing or stale: nothing is run here, `trackmarshal assess` does", file=sys.stderr)
     lacking = [
         one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")
     ]
