@@ -116,7 +116,10 @@ def _run(args: argparse.Namespace) -> int:
             file=sys.stderr,
         )
         if any(finding.code in _NOT_UP_TO_DATE for finding in matrix.findings):
-            say("evidence is missing or stale: nothing is run here, `trackmarshal assess` does", file=sys.stderr)
+            say(
+                "evidence is missing or stale: nothing is run here, `trackmarshal assess` does",
+                file=sys.stderr,
+            )
     lacking = [
         one for one in problems if one.code not in EXTRAS or (one.code == "T432" and args.format == "pdf")
     ]

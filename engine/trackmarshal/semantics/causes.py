@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.semantics.errors import Ambiguous, BareAngle, UnknownField, UnknownName
+from trackmarshal.source import Span
 
 
 def told_once(found: Iterable[Diagnostic], before: Iterable[Diagnostic] = ()) -> list[Diagnostic]:
@@ -16,10 +17,12 @@ def told_once(found: Iterable[Diagnostic], before: Iterable[Diagnostic] = ()) ->
     # Whichever of the modules that were asked for is used, it declares this too.
     fresh = [item for item in found if not any(one.issubset(_could_use(item)) for one in known)]
     wanted = Counter(pair for item in fresh for pair in _could_use(item))
+    told: set[object] = {_cause(item) for item in before if isinstance(item, _FOLDED)}
+    told |= {_of_declaration(one) for item in before if _others(item) for one in _declared(item)}
+    often = Counter(_of_declaration(one) for item in fresh for one in _declared(item))
     groups: dict[object, list[Diagnostic]] = {}
     for item in sorted((_most_wanted(item, wanted) for item in fresh), key=place):
-        groups.setdefault(_cause(item), []).append(item)
-    told = {_cause(item) for item in before if isinstance(item, _FOLDED)}
+        groups.setdefault(_badly_declared(item, often, told) or _cause(item), []).append(item)
     return [_together(group) for cause, group in groups.items() if cause not in told]
 
 
@@ -66,9 +69,40 @@ def _cause(item: Diagnostic) -> object:
     return *place(item), item.span.end, item.message
 
 
+#: From so many places on that ask for the same, a declaration is taken for the cause; two may be two slips.
+_OFTEN = 3
+#: What is declared: its name, where, as what, and what it meets.
+_Declared = tuple[str, Span, str, str]
+
+
+def _declared(item: Diagnostic) -> tuple[_Declared, ...]:
+    found: tuple[_Declared, ...] = item.__dict__.get("declared", ())
+    return found
+
+
+def _others(item: Diagnostic) -> tuple[Span, ...]:
+    found: tuple[Span, ...] = item.__dict__.get("others", ())
+    return found
+
+
+def _of_declaration(declared: _Declared) -> object:
+    _, span, own, other = declared
+    return "declared", span.file.path, span.start, own, other
+
+
+def _badly_declared(item: Diagnostic, often: Counter[object], told: Collection[object]) -> object:
+    """The declaration that is the cause of other errors, too: of the two things that are compared, the one that meets the same in most places."""
+    causes = [_of_declaration(one) for one in _declared(item)]
+    known = next((cause for cause in causes if cause in told), None)
+    most = max(causes, key=often.__getitem__, default=None)
+    return known or (most if most is not None and often[most] >= _OFTEN else None)
+
+
 def _together(group: Sequence[Diagnostic]) -> Diagnostic:
     """The first of some diagnostics, with the places of the others."""
     first = group[0]
+    if len(group) > 1 and _declared(first):
+        return _of_one_declaration(group)
     if not isinstance(first, _FOLDED):
         return first
     places = {(item.span.start, item.span.end): item.span for item in group}
@@ -80,6 +114,19 @@ def _together(group: Sequence[Diagnostic]) -> Diagnostic:
         if len(names) > 1:
             values["more"] = f", and {len(names) - 1} more that {declared} {verb}"
         values["hint"] = _use(first.modules, "them" if len(names) > 1 else "it")
+    return type(first)(**values)
+
+
+def _of_one_declaration(group: Sequence[Diagnostic]) -> Diagnostic:
+    """The first of some diagnostics about one thing, which says where that is declared."""
+    first = group[0]
+    common = set.intersection(*({_of_declaration(one) for one in _declared(item)} for item in group))
+    declared = tuple(one for one in _declared(first) if _of_declaration(one) in common)
+    places = {(item.span.start, item.span.end): item.span for item in group}
+    as_ = ", and ".join(f"`{name}` is declared as {own}, {span}" for name, span, own, _ in declared)
+    values = {
+        **first.__dict__, "others": tuple(places.values())[1:], "hint": f"{as_}: mend {'that' if len(declared) == 1 else 'one of them'}, or each of these places", "declared": declared,
+    }  # fmt: skip
     return type(first)(**values)
 
 

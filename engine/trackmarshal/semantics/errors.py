@@ -533,6 +533,9 @@ class DimensionMismatch(Diagnostic):
     left: str
     right: str
     hint: str = ""
+    others: tuple[Span, ...] = ()
+    #: What is declared, on either side: its name, where, as what, and what it meets.
+    declared: tuple[tuple[str, Span, str, str], ...] = ()
 
 
 class WrongDimension(Diagnostic):

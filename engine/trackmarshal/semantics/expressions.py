@@ -525,9 +525,20 @@ class Expressions:
         hint = hint or calls.unit_hint(right, left.dimension, left.written)
         hint = hint or calls.unit_hint(left, right.dimension, right.written)
         hint = hint or _factor(left.dimension, right.dimension, *sides)
+        ours, theirs = quantity(left.dimension), quantity(right.dimension)
+        # Where a unit is missing, it is missing there, and no declaration is to blame.
+        bare = any(isinstance(side, typed.Literally) and not side.unit for side in (left, right))
+        things = () if bare else (_declared(left, ours, theirs), _declared(right, theirs, ours))
         self.fail(
             DimensionMismatch(
-                left.span, right.span, action, quantity(left.dimension), quantity(right.dimension), hint
+                left.span,
+                right.span,
+                action,
+                ours,
+                theirs,
+                hint,
+                (),
+                tuple(thing for thing in things if thing),
             )
         )
 
@@ -806,6 +817,18 @@ def _of_formulas(expr: ast.Binary) -> str:
     if isinstance(expr.right, ast.Boolean):
         return f"write `{left}`" if expr.right.value == (expr.op == "==") else f"write `not ({left})`"
     return f"write `({left}) {'iff' if expr.op == '==' else 'xor'} ({right})`"
+
+
+def _declared(number: typed.Number, own: str, other: str) -> tuple[str, Span, str, str] | None:
+    """What a number is where it is declared: a parameter, or a field of a signal."""
+    if isinstance(number, typed.Parameter):
+        return number.symbol.item.__dict__["name"], number.symbol.item.__dict__["span"], own, other
+    if isinstance(number, typed.Field) and number.record.signal is not None:
+        field = number.record.signal.field(number.name)
+        return (
+            None if field is None else (f"{number.record.signal.name}.{number.name}", field.span, own, other)
+        )
+    return None
 
 
 def _factor(left: Dimension, right: Dimension, a: str, b: str) -> str:

@@ -112,8 +112,12 @@ class _Preparation:
         self._kind: type[BadGiven | BadExpectation] = BadGiven
         self._meant = Meant()
 
-    def fail(self, span: Span, problem: str, hint: str = "", other: Span | None = None) -> NoReturn:
-        self._found.append(BadGiven(span, problem, hint, other) if other else self._kind(span, problem, hint))
+    def fail(
+        self, span: Span, problem: str, hint: str = "", other: Span | None = None,
+        declared: tuple[tuple[str, Span, str, str], ...] = (),
+    ) -> NoReturn:  # fmt: skip
+        given = BadGiven(span, problem, hint, other, declared=declared)
+        self._found.append(given if other or declared else self._kind(span, problem, hint))
         raise Poison
 
     def test(self, item: ast.Test, rule: RuleInfo | None) -> PreparedTest | None:
@@ -338,6 +342,7 @@ class _Preparation:
                             problem,
                             "give the columns yourself, or declare it with this dimension",
                             field.span,
+                            _declared(f"{signal.name}.{field.name}", field, unit),
                         )
                     columns[field.name] = built[field.name]
             return columns
@@ -486,7 +491,7 @@ class _Preparation:
             return value.value
         if field.enumeration is not None:
             return self._member(field, field.enumeration, value)
-        return self._number(value, field.unit, f"`{field.name}`")
+        return self._number(value, field.unit, f"`{field.name}`", field)
 
     def _member(self, field: FieldType, enumeration: Enumeration, value: ast.Expr) -> str | float:
         """A member by its name; `nan` is a missing one, where no member is called so."""
@@ -519,12 +524,12 @@ class _Preparation:
             *(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units))
         )
 
-    def _number(self, value: ast.Expr, unit: str, what: str) -> float:
+    def _number(self, value: ast.Expr, unit: str, what: str, field: FieldType | None = None) -> float:
         """A constant of a unit's dimension, in SI; `nan` and `inf` are allowed here and only here."""
         special = _special(value)
         if special is not None:
             return special
-        number = self._constant(value, what, parse_unit(unit)[2], unit)[0]
+        number = self._constant(value, what, parse_unit(unit)[2], unit, field)[0]
         literal = value.operand if isinstance(value, ast.Unary) else value
         if number != 0.0 and isinstance(literal, ast.Number) and not literal.unit and unit != "1":
             text = _span(value).text
@@ -538,8 +543,8 @@ class _Preparation:
         return self._constant(value, what, dimension)[0]
 
     def _constant(
-        self, value: ast.Expr, what: str, wanted: Dimension | None = None, declared: str = ""
-    ) -> tuple[float, Dimension]:
+        self, value: ast.Expr, what: str, wanted: Dimension | None = None, declared: str = "", field: FieldType | None = None
+    ) -> tuple[float, Dimension]:  # fmt: skip
         """A constant in SI with its dimension, which may be given, and with that the unit in which it is declared."""
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
             self.fail(
@@ -549,7 +554,9 @@ class _Preparation:
         checked = self._x.number(value, self._ctx)
         if wanted is not None and checked.dimension != wanted:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
-            self.fail(_span(value), problem, calls.unit_hint(checked, wanted, declared))
+            bare = checked.dimension == NUMBER
+            things = () if bare or field is None else _declared(field.name, field, show(checked.dimension))
+            self.fail(_span(value), problem, calls.unit_hint(checked, wanted, declared), declared=things)
         params = self._spec.params
         plain = typed.literal(checked)
         if plain is not None:
@@ -675,6 +682,11 @@ def _special(value: ast.Expr) -> float | None:
     if isinstance(value, ast.Name) and value.name in ("nan", "inf"):
         return math.nan if value.name == "nan" else sign * math.inf
     return None
+
+
+def _declared(name: str, field: FieldType, given: str) -> tuple[tuple[str, Span, str, str], ...]:
+    """A field that is given in a unit of another dimension than it is declared in, as `DimensionMismatch` has it."""
+    return ((name, field.span, quantity(parse_unit(field.unit)[2]), quantity(parse_shown(given))),)
 
 
 def _decimal_comma(values: Sequence[ast.Expr]) -> str:

@@ -24,6 +24,9 @@ class BadGiven(Diagnostic):
     hint: str = ""
     other: Span | None = None
     about: str = "declared here"
+    others: tuple[Span, ...] = ()
+    #: As of `DimensionMismatch`: what is declared in another dimension than is given.
+    declared: tuple[tuple[str, Span, str, str], ...] = ()
 
 
 class BadExpectation(Diagnostic):
