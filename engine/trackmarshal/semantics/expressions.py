@@ -467,7 +467,11 @@ class Expressions:
         """What a count is compared with: a plain number made of literals and parameters."""
         if number.dimension != NUMBER:
             what = "what a count is compared with"
-            self.fail(WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension)))
+            hint = "it counts samples or cycles; how long something lasts is asked by `historically[0 s, 3 s] (...)`"
+            hint = hint if number.dimension == TIME else ""
+            self.fail(
+                WrongDimension(number.span, None, what, "a plain number", quantity(number.dimension), hint)
+            )
         inputs = (
             typed.Field,
             typed.Folded,
