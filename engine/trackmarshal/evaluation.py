@@ -478,6 +478,8 @@ class Run:
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one, D211 for a curvature that
         is not there."""
+        if not isinstance(frame, Frame):
+            raise wrong_type("a frame is what `Evaluator.read` makes of a case", frame)
         program = self._evaluator.program
         self._evaluator.refuse_straight(frame)
         with self._evaluator.alone:

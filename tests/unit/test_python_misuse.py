@@ -139,3 +139,22 @@ def test_no_files_are_no_spec() -> None:
     with pytest.raises(tm.TrackmarshalError) as caught:
         tm.load([])
     assert caught.value.code == "E006"
+
+
+def test_a_step_of_a_run_takes_a_frame() -> None:
+    run = tm.Evaluator(tm.loads(SPEC)).over_run()
+    for wrong in WRONG:
+        _is_told(partial(run.step, wrong), f"step: {wrong!r:.40}")
+
+
+@pytest.mark.parametrize(
+    ("candidate", "rule", "code"), [("drivin", "slow", "D144"), ("driving", "slwo", "E401")]
+)
+def test_what_a_run_does_not_have_is_not_safe_all_along(candidate: str, rule: str, code: str) -> None:
+    """Of a misspelt candidate, a rule was violated at no time."""
+    spec = tm.loads('module small\nsignal ego : state { v: m/s }\nrule slow "s"\n  require ego.v <= 1 m/s\n')
+    run = tm.replay(tm.load_recording(RECORDING), tm.Evaluator(spec))
+    assert run.unsafe_times("driving", "slow") != []
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        run.unsafe_times(candidate, rule)
+    assert caught.value.code == code

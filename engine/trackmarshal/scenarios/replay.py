@@ -120,7 +120,19 @@ class Replay:
         return not all(cycle.safe for cycle in self.cycles)
 
     def unsafe_times(self, candidate: str, rule: str) -> list[float]:
-        """When a rule made a candidate unsafe, or would have, were it not advisory."""
+        """When a rule made a candidate unsafe, or would have, were it not advisory.
+
+        Raises TrackmarshalError D144 and E401 for a candidate and a rule that there is not: it would be unsafe at no time.
+        """
+        if candidate not in (*CANDIDATES, *self.candidates):
+            there = " and ".join(self.candidates)
+            raise TrackmarshalError(
+                "D144", f"the run has no candidate `{candidate!s:.40}`", help=f"there: {there}"
+            )
+        known = {name for cycle in self.cycles for result in cycle.results.values() for name in result.rules}
+        if rule not in known:
+            help_ = close_matches(str(rule), known) or ", ".join(sorted(known))
+            raise TrackmarshalError("E401", f"the run has no rule `{rule!s:.40}`", help=help_)
         return [c.t for c in self.cycles if candidate in c.results and c.results[candidate].rules[rule].fired]
 
 
