@@ -95,8 +95,6 @@ def supervisor(
         raise wrong_type("`clock` is a function that gives seconds", clock)
     if record is not None and not isinstance(record, str | Path):
         raise wrong_type("`record` is the path of a file", record)
-    if type(snapshots) is not int:
-        raise wrong_type("`snapshots` is a whole number of cycles", snapshots)
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
     held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
     made = box.running(held, clock)
