@@ -5,20 +5,17 @@ from __future__ import annotations
 import math
 import random
 import struct
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 
 import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
-from trackmarshal.backends.c import supervisor as c_supervisor
-from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import Evaluator
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import name_of
@@ -40,18 +37,6 @@ class Readings:
         return reading
 
 
-#: What was generated last, and of what: thousands of runs with the same rules are of one program.
-_LAST: list[tuple[Spec, tuple[RuleInfo, ...], Source]] = []
-
-
-def _generated(spec: Spec, rules: Sequence[RuleInfo], *, doored: bool) -> Source:
-    for known, those, source in _LAST:
-        if known is spec and len(those) == len(rules) and all(a is b for a, b in zip(those, rules)):
-            return source
-    _LAST[:] = [(spec, tuple(rules), generate(spec, rules, doored=doored))]
-    return _LAST[0][2]
-
-
 class Pair:
     """Both Supervisors; `step` compares their decisions and gives that of C."""
 
@@ -60,9 +45,7 @@ class Pair:
     ) -> None:
         self.clocks = Readings(), Readings()
         spec, rules = evaluator.spec, evaluator.rules
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(c_supervisor, "generate", _generated)
-            self.c = CSupervisor(spec, rules, limits, self.clocks[0].read, settings)
+        self.c = CSupervisor(spec, rules, limits, self.clocks[0].read, settings)
         self.python = Supervisor(spec, evaluator.program, limits, self.clocks[1].read, settings)
 
     def step(self, given: Any, *readings: float | None) -> Decision:

@@ -363,7 +363,7 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
         error = TrackmarshalError(
             "E470", "rule `x`: sample 3 of `plan`; the C generator\nknows the first and the last"
         )
-        monkeypatch.setattr("trackmarshal.backends.c.program.generate", mock.Mock(side_effect=error))
+        monkeypatch.setattr("trackmarshal.backends.c.program.generated", mock.Mock(side_effect=error))
     nearly_zero = 1e-70 if missing == "input" else 0.0
     track = {"left": [[-9.0, 5.0], [nearly_zero, 5.0], [9.0, 5.0]], "right": [[-9.0, -5.0], [9.0, -5.0]]}
     plan = {"t": [0.0, 0.1], "x": [0.0, 1.0], "y": [0.0, 0.0], "heading": [0.0, 0.0]}
