@@ -207,6 +207,7 @@ def test_a_kind_that_is_added_is_checked(monkeypatch: pytest.MonkeyPatch) -> Non
         Kind("skipped", "point", Condition("fabs(x) <= most"), far),
     ]
     monkeypatch.setattr("trackmarshal.runtime.contract.checks.KINDS", [*KINDS, *added])
+    monkeypatch.setattr("trackmarshal.backends.c.source._MADE", {})  # nothing was generated with these yet
     now = [0.0]
     found = []
     for backend in ("c", "numpy"):

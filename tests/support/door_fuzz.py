@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from trackmarshal.ir.spec import FieldType, Spec
 
-#: Capacities that the driver is compiled with.
+#: Capacities that the driver is compiled with; a set that declares its own has that.
 SAMPLES, ELEMENTS, BORDER = 24, 6, 5
 
 
@@ -23,6 +23,7 @@ def _tables(spec: Spec) -> Iterator[str]:
     yield '#include "supervisor.h"'
     yield "#include <float.h>\n#include <math.h>\n#include <stdio.h>\n#include <stdlib.h>\n#include <string.h>"
     yield f"enum {{ SAMPLES = {SAMPLES}, ELEMENTS = {ELEMENTS}, BORDER = {BORDER} }};"
+    yield f"enum {{ OBJECTS = {spec.signals['objects'].capacity or ELEMENTS} }};"
     yield "typedef struct { const char *name; double low; double high; } range;"
     for name in ("plan", "objects", "obstacles", "ego"):
         fields = [f for f in spec.signals[name].fields_ if f.kind == "number"]
@@ -105,10 +106,12 @@ static void fresh(tm_cycle *c) {
       plan_column[side][P_X][i] = (double)i;
     }
   }
-  objects_count[0] = below(ELEMENTS + 1u);
+  objects_count[0] = below(OBJECTS + 1u);
   obstacles_count[0] = below(ELEMENTS + 1u);
-  for (size_t i = 0; i < ELEMENTS; ++i) {
+  for (size_t i = 0; i < OBJECTS; ++i) {
     for (size_t k = 0; k < OBJECTS_FIELDS; ++k) { objects_column[0][k][i] = fmax(objects_range[k].low, fmin(objects_range[k].high, 3.0)); }
+  }
+  for (size_t i = 0; i < ELEMENTS; ++i) {
     for (size_t k = 0; k < OBSTACLES_FIELDS; ++k) { obstacles_column[0][k][i] = fmax(obstacles_range[k].low, fmin(obstacles_range[k].high, 3.0)); }
   }
   wire();
@@ -142,7 +145,7 @@ static void spoil(tm_cycle *c) {
   const unsigned side = below(2u);
   switch (below(15u)) {
     case 0: case 1: case 2: plan_column[side][below(PLAN_FIELDS)][below(SAMPLES)] = wild(); break;
-    case 3: objects_column[0][below(OBJECTS_FIELDS)][below(ELEMENTS)] = wild(); break;
+    case 3: objects_column[0][below(OBJECTS_FIELDS)][below(OBJECTS)] = wild(); break;
     case 4: obstacles_column[0][below(OBSTACLES_FIELDS)][below(ELEMENTS)] = wild(); break;
     case 5: *ego_field(&ego, below(EGO_FIELDS)) = wild(); break;
     case 6: { /* time goes back, or stands still */
@@ -152,7 +155,7 @@ static void spoil(tm_cycle *c) {
     }
     case 7: plans[side].count = (below(2u) == 0u) ? below(3u) : (SAMPLES + below(3u)); break;
     case 8:
-      if (below(2u) == 0u) { objects.count = ELEMENTS + below(3u); } else { obstacles.count = (size_t)-1; }
+      if (below(2u) == 0u) { objects.count = OBJECTS + below(3u); } else { obstacles.count = (size_t)-1; }
       break;
     case 9: if (below(2u) == 0u) { plans[side].x = NULL; } else { objects.v = NULL; } break;
     case 10: plan_column[1][(below(2u) == 0u) ? P_X : P_HEADING][0] += 0.03 * (double)below(10u); break;
@@ -220,7 +223,7 @@ static bool broken(const tm_cycle *c) {
     }
     for (size_t i = 1; i < n; ++i) { bad = bad || !(plan_column[side][P_T][i - 1u] < plan_column[side][P_T][i]); }
   }
-  if (objects.count > ELEMENTS || obstacles.count > ELEMENTS) { return true; }
+  if (objects.count > OBJECTS || obstacles.count > ELEMENTS) { return true; }
   if (objects.v == NULL && objects.count > 0u) { return true; }
   for (size_t i = 0; i < objects.count; ++i) {
     for (size_t k = 0; k < OBJECTS_FIELDS; ++k) { bad = bad || outside(objects_column[0][k][i], &objects_range[k]); }
@@ -251,7 +254,7 @@ int main(int argc, char **argv) {
   for (int side = 0; side < 2; ++side) {
     for (size_t k = 0; k < PLAN_FIELDS; ++k) { plan_column[side][k] = column_of(SAMPLES); }
   }
-  for (size_t k = 0; k < OBJECTS_FIELDS; ++k) { objects_column[0][k] = column_of(ELEMENTS); }
+  for (size_t k = 0; k < OBJECTS_FIELDS; ++k) { objects_column[0][k] = column_of(OBJECTS); }
   for (size_t k = 0; k < OBSTACLES_FIELDS; ++k) { obstacles_column[0][k] = column_of(ELEMENTS); }
   left = column_of(2u * BORDER);
   right = column_of(2u * BORDER);

@@ -341,7 +341,7 @@ class Layout:
             head += f" for each {self._n.name(item.binder)} {self._n.sign('in')} {self._n.name(item.domain)}"
         head += f" starts {self._n.name(item.start.name)}"
         if item.bridges is not None:
-            head += f" bridges {self._n.expr(item.bridges)}"
+            head += f" bridges {self._n.expr(item.bridges, SUM)}"
         pieces = [Piece(head, 0)]
         width = _widest(self._n.name(one.target.name) for one in item.transitions)
         for one in item.transitions:
