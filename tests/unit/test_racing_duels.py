@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from support.length import at_length
 from support.shared import REPOSITORY
 from trackmarshal.evaluation import Evaluator, load
 
@@ -137,7 +138,7 @@ def behind(way: Way, gap: float, gains: float = 0.1) -> Way:
     return lambda t: (way(t)[0] - gap + gains * t, 0.0)
 
 
-@pytest.mark.parametrize("v", [10.0, 30.0, 80.0])
+@pytest.mark.parametrize("v", [at_length(10.0), 30.0, at_length(80.0)])
 @pytest.mark.parametrize(("far", "half"), [(1.5, 0.9), (1.5, 2.0), (1.5, 8.0), (-3.0, 1.5), (6.0, 10.0)])
 def test_who_weaves_on_a_straight_is_found_in_the_second_swing(v: float, far: float, half: float) -> None:
     ego = weaving(v, far, half, 2)
