@@ -177,3 +177,19 @@ def test_c_is_generated_once_for_a_spec_and_not_taken_for_another() -> None:
             }  # fmt: skip
         del spec, judge
         gc.collect()  # whose ids are another's next
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+@pytest.mark.parametrize("backend", ["c", "numpy", "reference"])
+def test_what_was_put_into_a_spec_since_counts(backend: str) -> None:
+    """A spec is held together by maps, in which somebody may have put another parameter, or a field with another range."""
+    spec = loads(
+        'module m\nsignal ego : state { v: m/s in [0, 50] }\nparam most : m/s = 30 m/s\nrule r "r"\n  require ego.v <= most\n'
+    )
+    given = {"signals": {"ego": {"v": 20.0}}}
+    assert tm.Evaluator(spec, backend=backend).case(given).safe
+    other = loads(
+        'module m\nsignal ego : state { v: m/s in [0, 15] }\nparam most : m/s = 10 m/s\nrule r "r"\n  require ego.v <= most\n'
+    )
+    spec.params["m.most"] = other.params["m.most"]
+    assert not tm.Evaluator(spec, backend=backend).case(given).safe

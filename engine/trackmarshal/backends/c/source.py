@@ -53,20 +53,22 @@ class Source:
         return max((code.series for code in self.rules), default=0)
 
 
-#: Of the last specs and rules, by their ids and whether the whole Supervisor is meant: programs are made one after the other, one a run.
-#: What has the ids is kept beside it, so that nothing else gets them.
-_MADE: dict[tuple[int, ...], tuple[Spec, tuple[RuleInfo, ...], Source]] = {}
+#: What was generated last, by the ids of all that it was made of, which is kept beside it so that nothing else gets them: programs are made one
+#: after the other, one a run.
+_MADE: dict[tuple[int, ...], tuple[tuple[object, ...], Source]] = {}
 _KEPT = 4
 
 
 def generated(spec: Spec, rules: Sequence[RuleInfo], doored: bool = False) -> Source:
-    """As `generate`, once for the same spec."""
-    key = (doored, id(spec), *map(id, rules))
-    made = _MADE.pop(key, None) or (spec, tuple(rules), generate(spec, rules, doored=doored))
+    """As `generate`, once for the same spec, in whose maps is still what was in them."""
+    maps = (spec.signals, spec.events, spec.params, spec.tables, spec.places)
+    parts = (spec, *rules, *(part for one in maps for entry in one.items() for part in entry))
+    key = (doored, len(rules), *map(id, parts))
+    made = _MADE.pop(key, None) or (parts, generate(spec, rules, doored=doored))
     _MADE[key] = made  # the last one that was asked for is the last one to go
-    while len(_MADE) > _KEPT:
-        _MADE.pop(next(iter(_MADE)), None)
-    return made[2]
+    for old in list(_MADE)[:-_KEPT]:
+        _MADE.pop(old, None)
+    return made[1]
 
 
 def generate(
