@@ -97,6 +97,19 @@ def test_what_is_asked_of_elements_in_range_is_computed_for_them_alone(tmp_path:
     assert "tm_may_hold(" not in known(tmp_path, "  for all p in plan where p.v > 1 m/s\n  require p.x < 9 m")
 
 
+def test_a_part_that_takes_long_is_asked_where_what_stands_before_it_may_hold(tmp_path: Path) -> None:
+    guard = "p.v > 1 m/s and p.x > 0 m and sqrt(p.x * 1 m) < 9 m and offset(p, track) < 1 m"
+    text = known(tmp_path, f"  for all p in plan where {guard}\n  require p.y < 9 m")
+    first, root, second, projection = (text.index(each) for each in ("if (tm_may_hold(guard))", "sqrt(", "if (tm_may_hold(guard_2))", "tm_line_project("))  # fmt: skip
+    assert first < root < second < projection
+    # The other way round, there is nothing to wait for.
+    turned = " and ".join(reversed(guard.split(" and ")))
+    assert (
+        known(tmp_path, f"  for all p in plan where {turned}\n  require p.y < 9 m").count("if (tm_may_hold(")
+        == 1
+    )
+
+
 def test_rules_that_ask_something_of_the_same_elements_share_a_branch(tmp_path: Path) -> None:
     other = "  for all p in plan where p.v > 1 m/s\n  require p.y / p.v < 8 s"
     text = known(tmp_path, IN_RANGE.format(9), other)

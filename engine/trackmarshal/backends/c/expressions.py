@@ -152,9 +152,7 @@ class Writer:
         home = self.home(self.facts.free(node), scope)
         needed = home
         for candidate in scope.chain():
-            if candidate is home or isinstance(
-                node, ir.Projected | ir.OnLane
-            ):  # others may ask the same projection
+            if candidate is home:
                 break
             if candidate.binds:
                 needed = home  # not again and again
@@ -497,10 +495,14 @@ class Writer:
         return self._projection(key, self._on_line("project", node.line, x, y), node, at)
 
     def _projection(self, key: tuple[object, ...], call: c.Expr, node: ir.Num, at: c.Scope) -> c.Expr:
-        known = at.known.get(key)
-        if known is None:
-            known = self.declare(at, "tm_projection", call, identifier(f"projection_{self._whose(node, at)}"))
-            at.known[key] = known
+        home = self.home(self.facts.free(node), at)
+        for scope in at.chain():  # as far out as that, what is known is about the same point
+            if key in scope.known:
+                return scope.known[key]
+            if scope is home:
+                break
+        known = self.declare(at, "tm_projection", call, identifier(f"projection_{self._whose(node, at)}"))
+        at.known[key] = known
         return known
 
     # Formulas ---------------------------------------------------------------------------------------------------
@@ -715,24 +717,19 @@ class Writer:
                         if owners:
                             self.of(owners[place])
                         self._one_more(node, found[node], inner, sweeps)
-                    if inner is not scope:
-                        scope.close(inner)
+                    while inner is not scope:
+                        assert inner.parent is not None
+                        inner.parent.close(inner)
+                        inner = inner.parent
                 at.close(scope)
         return [found[node] for node in nodes]
 
     def _together(self, some: Sequence[tuple[int, ir.Quantify]]) -> list[list[tuple[int, ir.Quantify]]]:
         """Quantifiers in their order, those that ask something of the same elements beside the first of them."""
-        found: list[list[tuple[int, ir.Quantify]]] = []
         asking: dict[ir.Formula | None, list[tuple[int, ir.Quantify]]] = {}
         for each in some:
-            guard = each[1].guard
-            if _is_true(each[1].body):
-                found.append([each])
-            elif guard in asking:
-                asking[guard].append(each)
-            else:
-                found.append(asking.setdefault(guard, [each]))
-        return found
+            asking.setdefault(each[1].guard, []).append(each)
+        return list(asking.values())
 
     def _nested(
         self, together: Sequence[tuple[int, ir.Quantify]], inner: c.Scope, owners: Sequence[RuleInfo]
@@ -747,12 +744,26 @@ class Writer:
                 inner.known.update(zip(made, self.quantify(made, inner, whose)))
 
     def _where(self, nodes: Sequence[ir.Quantify], scope: c.Scope) -> c.Scope:
-        """The scope for what some quantifiers ask of elements in range: an `if` of its own where anything is computed that nobody else reads."""
-        guard, own = nodes[0].guard, self.usage.only_in([node.body for node in nodes])
-        if guard is None or not any(isinstance(node, _WORTH) for node in own):
+        """The scope for what some quantifiers ask of elements in range: an `if` of its own where anything is computed that nobody else reads,
+        and one before each part of the guard that takes long, for what stands before it."""
+        guard, bodies = nodes[0].guard, [node.body for node in nodes]
+        if guard is None:
             return scope
-        if any(isinstance(node, _EVERY_CYCLE) for node in own):
-            return scope
+        inner, parts = scope, _conjuncts(guard)
+        for place in range(1, len(parts)):
+            own = self.usage.only_in([*(part for _, part in parts[place:]), *bodies])
+            long_way = any(node in own and isinstance(node, _LONG_WAY) for node in ir.below(parts[place][1]))
+            if long_way and not any(isinstance(node, _EVERY_CYCLE) for node in own):
+                inner = self._if_may(parts[place - 1][0], inner, own | {whole for whole, _ in parts[place:]})
+        own = self.usage.only_in(bodies)
+        if any(isinstance(node, _EVERY_CYCLE) for node in own) or not any(
+            isinstance(node, _WORTH) for node in own
+        ):
+            return inner
+        return self._if_may(guard, inner, own)
+
+    def _if_may(self, guard: ir.Formula, scope: c.Scope, own: frozenset[Value]) -> c.Scope:
+        """A scope for what is computed only where a formula may hold."""
         condition = self.over("may_hold", self.formula(guard, scope, "guard", named=True))
         inner = scope.open(lambda body: c.If(condition, body))
         inner.own = own
@@ -836,6 +847,13 @@ class Writer:
         return self.call("tm_timeline_inside", *self.shape(body.area), *columns, self.count(node.axis), *size)
 
 
+def _conjuncts(formula: ir.Formula) -> list[tuple[ir.Formula, ir.Formula]]:
+    """What has to hold, part by part, each after the formula that says it and all that stands before it."""
+    if isinstance(formula, ir.Connective) and formula.op == "and":
+        return [*_conjuncts(formula.left), (formula, formula.right)]
+    return [(formula, formula)]
+
+
 def _is_true(formula: ir.Formula) -> bool:
     return isinstance(formula, ir.Truth) and formula.value
 
@@ -853,6 +871,19 @@ def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
 
 #: What is not computed where it is not needed.
 _WORTH = (ir.Arith, ir.Func, ir.Lookup, ir.GridLookup, ir.Along, ir.OnLane, ir.Fold, ir.Quantify, ir.SweptInside, ir.SweptClear, ir.InArea)  # fmt: skip
+#: What takes so long that it is asked first whether it is needed.
+_LONG_WAY = (
+    ir.Func,
+    ir.Lookup,
+    ir.GridLookup,
+    ir.Along,
+    ir.OnLane,
+    ir.Fold,
+    ir.Quantify,
+    ir.SweptInside,
+    ir.SweptClear,
+    ir.InArea,
+)
 #: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
 _EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.

@@ -116,6 +116,10 @@ class History:
     _possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
         default_factory=dict
     )
+    #: What machines may be in after a cycle of a life, gone through from its first one on.
+    _gone_to: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
+        default_factory=dict
+    )
     _known_lives: dict[ir.Axis, list[dict[str, Life | None]]] = field(default_factory=dict)
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
@@ -229,15 +233,21 @@ class History:
         if self.without(machine, ids, k):
             return unknown(machine)
         members = self._members(machine, ids, k)[0]
-        sure = self._sure(machine, ids, k)
-        possible = begun(machine, self.cycles[members[0]].t) if sure else unknown(machine)
+        key = _sorted(ids)
+        possible = (
+            begun(machine, self.cycles[members[0]].t) if self._sure(machine, ids, k) else unknown(machine)
+        )
         for before, this in zip((None, *members), members[: members.index(k) + 1]):
+            known = self._gone_to.get((machine, this, key))  # in its one life that far
+            if known is not None:
+                possible = known
+                continue
             if before is not None and self._between(before, this):
                 gap = self.cycles[this].t - self.cycles[before].t
                 possible = widened(machine, possible, gap)
             guards = [self._settled(guard, this, ids) for guard in machine.guards]
             now = self._now(this)
-            possible = stepped(
+            possible = self._gone_to[machine, this, key] = stepped(
                 machine,
                 possible,
                 now.t,

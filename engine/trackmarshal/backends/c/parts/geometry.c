@@ -158,40 +158,39 @@ static inline unsigned tm_strip_bits(const float *u0, const float *u1, const flo
   return (unsigned)found;
 }
 
-/** The block of segments from `i` on, along a strip; `near`: which of them may lie within `reach` of it, a bit each.
-   `slack`: what may be wrong with its numbers, and those of the strip, which are short, and a little more [m]. */
-static tm_beside_strip tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach) {
-  tm_beside_strip beside;
-  const float *x = c->outline[i / 8u].x;
-  const float *y = c->outline[i / 8u].y;
+/** Where a strip is for the block of segments from `i` on, and how wrong short numbers of it may be, and a little more [m]. */
+static inline tm_strip_shift tm_strip_before(const tm_context *c, size_t i, const tm_strip *strip, double reach) {
   const tm_boxes *groups = &c->groups[i / 512u];
   const size_t group = (i / 64u) & 7u;
-  const double apart_x = (double)groups->x0[group] - strip->ox;
-  const double apart_y = (double)groups->y0[group] - strip->oy;
+  const double dx = (double)groups->x0[group] - strip->ox;
+  const double dy = (double)groups->y0[group] - strip->oy;
   const double extent = (double)((groups->x1[group] - groups->x0[group]) + (groups->y1[group] - groups->y0[group])) +
-                        (fabs(apart_x) + fabs(apart_y));
-  const float ahead = strip->ahead;
-  const float aside = strip->aside;
-  const float dx = (float)apart_x;
-  const float dy = (float)apart_y;
+                        (fabs(dx) + fabs(dy));
+  const tm_strip_shift shift = {(float)dx, (float)dy, 1e-4 + (1e-6 * ((extent + strip->size) + reach))};
+  return shift;
+}
+
+/** Which of the block of segments from `i` on may lie within `reach` of a strip: a bit each. */
+static unsigned tm_strip_near(const tm_context *c, size_t i, const tm_strip *strip, double reach) {
+  const float *x = c->outline[i / 8u].x;
+  const float *y = c->outline[i / 8u].y;
+  const tm_strip_shift shift = tm_strip_before(c, i, strip, reach);
   const float box[4] = {strip->u0, strip->u1, strip->v0, strip->v1};
+  float u0[8];
+  float u1[8];
+  float v0[8];
+  float v1[8];
   for (size_t k = 0u; k < 8u; ++k) { /* what two segments share is computed for both: eight at once take no longer */
-    const float ua = (ahead * (x[k] + dx)) + (aside * (y[k] + dy));
-    const float va = (ahead * (y[k] + dy)) - (aside * (x[k] + dx));
-    const float ub = (ahead * (x[k + 1u] + dx)) + (aside * (y[k + 1u] + dy));
-    const float vb = (ahead * (y[k + 1u] + dy)) - (aside * (x[k + 1u] + dx));
-    beside.ua[k] = ua;
-    beside.va[k] = va;
-    beside.ub[k] = ub;
-    beside.vb[k] = vb;
-    beside.u0[k] = (ua < ub) ? ua : ub;
-    beside.u1[k] = (ua < ub) ? ub : ua;
-    beside.v0[k] = (va < vb) ? va : vb;
-    beside.v1[k] = (va < vb) ? vb : va;
+    const float ua = (strip->ahead * (x[k] + shift.dx)) + (strip->aside * (y[k] + shift.dy));
+    const float va = (strip->ahead * (y[k] + shift.dy)) - (strip->aside * (x[k] + shift.dx));
+    const float ub = (strip->ahead * (x[k + 1u] + shift.dx)) + (strip->aside * (y[k + 1u] + shift.dy));
+    const float vb = (strip->ahead * (y[k + 1u] + shift.dy)) - (strip->aside * (x[k + 1u] + shift.dx));
+    u0[k] = (ua < ub) ? ua : ub;
+    u1[k] = (ua < ub) ? ub : ua;
+    v0[k] = (va < vb) ? va : vb;
+    v1[k] = (va < vb) ? vb : va;
   }
-  beside.slack = 1e-4 + (1e-6 * ((extent + strip->size) + reach));
-  beside.near = tm_strip_bits(beside.u0, beside.u1, beside.v0, beside.v1, box, (float)(reach + beside.slack));
-  return beside;
+  return tm_strip_bits(u0, u1, v0, v1, box, (float)(reach + shift.slack));
 }
 
 /** The distance of a point from a segment; both are seen from (ox, oy). */
@@ -209,6 +208,25 @@ static double tm_segment_distance(const tm_segment *s, double ox, double oy, dou
   return sqrt((end < start) ? end : start);
 }
 
+/** From a segment to the one beside it as long as that is nearer to a point, in one direction; the distance then. No more than so many: what
+   is nearest is looked for after that, and not far any more. */
+static double tm_downhill(const tm_context *c, const tm_shape *shape, double ox, double oy, double x, double y, bool forward, double best,
+                          size_t *which) {
+  const size_t last = forward ? (shape->first + shape->count - 1u) : shape->first;
+  double least = best;
+  for (size_t n = 0u; (n < 64u) && (*which != last); ++n) {
+    const size_t next = forward ? (*which + 1u) : (*which - 1u);
+    const tm_segment s = tm_segment_at(c, next);
+    const double reach = tm_segment_distance(&s, ox, oy, x, y);
+    if (!(reach < least)) {
+      break;
+    }
+    least = reach;
+    *which = next;
+  }
+  return least;
+}
+
 /** The distance of a point from a shape's segments, seen from (ox, oy), and the first of the nearest ones. */
 static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double oy, double x, double y, size_t *which) {
   const tm_box at = {x + ox, y + oy, x + ox, y + oy};
@@ -219,14 +237,16 @@ static double tm_nearest(const tm_context *c, tm_shape *shape, double ox, double
   const tm_segment first = tm_segment_at(c, likely);
   size_t nearest = likely;
   double best = tm_segment_distance(&first, ox, oy, x, y);
+  best = tm_downhill(c, shape, ox, oy, x, y, true, best, &nearest);
+  best = tm_downhill(c, shape, ox, oy, x, y, false, best, &nearest);
+  const size_t begun = nearest;
   tm_box near = tm_grown(&at, best);
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    const tm_beside_strip beside = tm_strip_near(c, i, &strip, best);
-    unsigned looked = beside.near;
+    unsigned looked = tm_strip_near(c, i, &strip, best);
     for (size_t k = i; (looked != 0u) && (k < stop); ++k) {
-      if (((looked & 1u) != 0u) && (k != likely)) {
+      if (((looked & 1u) != 0u) && (k != begun)) {
         const tm_segment s = tm_segment_at(c, k);
         const double reach = tm_segment_distance(&s, ox, oy, x, y);
         if ((reach < best) || ((reach == best) && (k < nearest))) {
@@ -814,8 +834,7 @@ static double tm_piece_inside(tm_context *c, tm_shape *shape, const tm_curve *cu
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); (i < end) && !sweep.entered; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    const tm_beside_strip beside = tm_strip_near(c, i, &strip, sweep.best);
-    unsigned looked = beside.near;
+    unsigned looked = tm_strip_near(c, i, &strip, sweep.best);
     for (size_t k = i; (looked != 0u) && (k < stop) && !sweep.entered; ++k) {
       if (((looked & 1u) != 0u) && (k != likely) && tm_sweep_nearer(c, k, &sweep)) {
         near = tm_grown(&box, sweep.best);
@@ -1023,9 +1042,10 @@ static void tm_stretch_list(const tm_context *c, const tm_shape *shape, tm_stret
   tm_walk walk = tm_walk_near(shape, shape->first, &near);
   for (size_t i = tm_walk_next(c, &walk); i < end; i = tm_walk_next(c, &walk)) {
     const size_t stop = tm_block_end(i, end);
-    const tm_beside_strip beside = tm_strip_near(c, i, &strip, reach);
-    unsigned looked = beside.near;
-    stretch->slack = tm_greatest(stretch->slack, beside.slack);
+    const tm_strip_shift shift = tm_strip_before(c, i, &strip, reach);
+    const tm_outline *outline = &c->outline[i / 8u];
+    unsigned looked = tm_strip_near(c, i, &strip, reach);
+    stretch->slack = tm_greatest(stretch->slack, shift.slack);
     for (size_t k = 0u; (looked != 0u) && ((i + k) < stop); ++k) {
       if ((looked & 1u) != 0u) {
         const size_t n = stretch->count;
@@ -1033,15 +1053,23 @@ static void tm_stretch_list(const tm_context *c, const tm_shape *shape, tm_stret
         if (n == TM_STRETCH_LIST) {
           return;
         }
+        const float ax = outline->x[k] + shift.dx;
+        const float ay = outline->y[k] + shift.dy;
+        const float bx = outline->x[k + 1u] + shift.dx;
+        const float by = outline->y[k + 1u] + shift.dy;
+        const float ua = (strip.ahead * ax) + (strip.aside * ay);
+        const float va = (strip.ahead * ay) - (strip.aside * ax);
+        const float ub = (strip.ahead * bx) + (strip.aside * by);
+        const float vb = (strip.ahead * by) - (strip.aside * bx);
         stretch->at[n] = i + k;
-        stretch->ua[n] = beside.ua[k];
-        stretch->va[n] = beside.va[k];
-        stretch->ub[n] = beside.ub[k];
-        stretch->vb[n] = beside.vb[k];
-        stretch->u0[n] = beside.u0[k];
-        stretch->u1[n] = beside.u1[k];
-        stretch->v0[n] = beside.v0[k];
-        stretch->v1[n] = beside.v1[k];
+        stretch->ua[n] = ua;
+        stretch->va[n] = va;
+        stretch->ub[n] = ub;
+        stretch->vb[n] = vb;
+        stretch->u0[n] = (ua < ub) ? ua : ub;
+        stretch->u1[n] = (ua < ub) ? ub : ua;
+        stretch->v0[n] = (va < vb) ? va : vb;
+        stretch->v1[n] = (va < vb) ? vb : va;
       }
       looked >>= 1u;
     }
@@ -1405,6 +1433,38 @@ static tm_projection tm_nowhere(void) {
   return result;
 }
 
+/** Where the projection of a point is kept: what is left of a sum of both coordinates, which spreads them about. */
+static size_t tm_projected_place(double x, double y) {
+  const double sum = (12.9898 * x) + (78.233 * y);
+  return (size_t)((double)TM_PROJECTED * (sum - floor(sum))) % TM_PROJECTED;
+}
+
+/** How far a point that was projected is from another, squared; NaN where there is none. */
+static double tm_projected_apart(const tm_projected *one, double x, double y) {
+  return ((one->x - x) * (one->x - x)) + ((one->y - y) * (one->y - y));
+}
+
+/** The segment to begin with, looking for what is nearest to a point that will be kept at `place`: that of the point before it, as along a plan;
+   where that was far away, that of another one which was not near the one before it either: in the cycle before, the car and the others. */
+static size_t tm_line_hint(tm_shape *line, size_t place, double x, double y) {
+  double nearest = tm_projected_apart(&line->recent[line->last], x, y);
+  size_t hint = line->recent[line->last].segment;
+  if (!(nearest < 400.0)) { /* 20 m */
+    nearest = TM_INF;
+    for (size_t i = 0u; i < TM_STARTS; ++i) {
+      const tm_projected *start = &line->recent[line->starts[i]];
+      const double apart = tm_projected_apart(start, x, y);
+      if (apart < nearest) {
+        nearest = apart;
+        hint = start->segment;
+      }
+    }
+    line->turn = (line->turn + 1u) % TM_STARTS;
+    line->starts[line->turn] = place;
+  }
+  return hint;
+}
+
 /** Station [m], offset [m, positive to the left] and direction [rad] of a point along a line. Many rules ask for the same few points. */
 static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, double y) {
   size_t k = 0u;
@@ -1414,19 +1474,12 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     return tm_nowhere();
   }
   const bool zero = (x == 0.0) || (y == 0.0); /* both zeros are equal, yet not the same */
-  double nearest = TM_INF;
-  for (size_t i = 0u; i < 8u; ++i) { /* what was near in the last cycle is where the search begins in this one */
-    const tm_projected *recent = &line->recent[i];
-    const double dx = recent->x - x;
-    const double dy = recent->y - y;
-    if ((recent->x == x) && (recent->y == y) && !zero) {
-      return recent->at;
-    }
-    if (((dx * dx) + (dy * dy)) < nearest) {
-      nearest = (dx * dx) + (dy * dy);
-      line->hint = recent->segment;
-    }
+  const size_t place = tm_projected_place(x, y);
+  tm_projected *known = &line->recent[place];
+  if ((known->x == x) && (known->y == y) && !zero) {
+    return known->at;
   }
+  line->hint = tm_line_hint(line, place, x, y);
   reach = tm_nearest(c, line, 0.0, 0.0, x, y, &k);
   const tm_segment s = tm_segment_at(c, k);
   result = tm_beside(&s, reach, line->closed || (k > line->first),
@@ -1436,18 +1489,22 @@ static tm_projection tm_line_project(tm_context *c, tm_shape *line, double x, do
     result.station = 0.0;
   }
   result.direction = c->along[k].direction;
-  line->recent[line->turn].x = x;
-  line->recent[line->turn].y = y;
-  line->recent[line->turn].at = result;
-  line->recent[line->turn].segment = k - line->first;
-  line->turn = (line->turn + 1u) & 7u;
+  known->x = x;
+  known->y = y;
+  known->at = result;
+  known->segment = k - line->first;
+  line->last = place;
   return result;
 }
 
 /** Forget the points that were projected on a line. */
 static void tm_forget(tm_shape *line) {
+  line->last = 0u;
   line->turn = 0u;
-  for (size_t i = 0u; i < 8u; ++i) {
+  for (size_t i = 0u; i < TM_STARTS; ++i) {
+    line->starts[i] = 0u;
+  }
+  for (size_t i = 0u; i < TM_PROJECTED; ++i) {
     line->recent[i].x = TM_NAN;
     line->recent[i].y = TM_NAN;
     line->recent[i].at = tm_nowhere();
@@ -1593,8 +1650,12 @@ static double tm_path_distance(const double *px, const double *py, size_t n, dou
     best = sqrt((dx * dx) + (dy * dy));
   }
   while (j < n) {
-    const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
-    best = tm_least(best, tm_segment_distance(&s, 0.0, 0.0, x, y));
+    const bool far = ((0.999999 * fabs(x - px[i])) > (best + fabs(px[j] - px[i]))) ||
+                     ((0.999999 * fabs(y - py[i])) > (best + fabs(py[j] - py[i])));
+    if (!far) {
+      const tm_segment s = tm_between(px[i], py[i], px[j], py[j]);
+      best = tm_least(best, tm_segment_distance(&s, 0.0, 0.0, x, y));
+    }
     i = j;
     j = tm_path_next(px, py, n, j);
   }
