@@ -191,6 +191,8 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
         made(cornering(steps=1), braking(heading=0.095), {"heading": 0.095}), {("corner_integrity", "driving")}),
     "turning in beside a car": (
         made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 2.55, 60.0)]), {("planned_side", "driving")}),
+    "turning in beside a faster car whose middle is behind": (
+        made(turning_in(), braking(12.0, 60.0), objects=[car(-1.0, 2.55, 62.0)]), {("planned_side", "driving")}),
     "into one that stands, before the next decision": (
         made(turning_in(), braking(12.0, 60.0), objects=[car(12.0, 2.55)]),
         {("planned_side", "driving"), ("driving_collision", "driving")}),
