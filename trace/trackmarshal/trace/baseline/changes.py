@@ -74,7 +74,7 @@ _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
-    ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("evidence", "unnamed"), ("defeater", "evidence"),
+    ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
 }  # fmt: skip
 
 
@@ -252,6 +252,9 @@ def _but_for_its_name(key: str, entry: Entry, without: str) -> tuple[str, ...] |
 def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterator[Change]:
     for field in sorted(before.keys() | now.keys()):
         old, new = before.get(field, ""), now.get(field, "")
+        if (kind, field) == ("evidence", "unnamed") and field not in before:
+            # Earlier baselines do not hold it, and those of pages that name all have none: what came since is known by what the page was evidence of then.
+            old = sorted({*_elements(new)} & {*_elements(before.get("requirements", ""))})
         without = field in _FILES and not new
         worked = f"{field}{WORKED_OUT}"
         if (worked in before and worked in now) or (field.endswith(WORKED_OUT) and field not in before):
