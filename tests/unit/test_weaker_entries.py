@@ -183,3 +183,13 @@ def test_a_count_that_was_accepted_may_be_more_again() -> None:
 def test_words_of_earlier_versions_count(text: str) -> None:
     (less,) = changes({"rule x": {"meaning": "a" * 64}}, {"rule x": {"meaning": "b" * 64}})
     assert accepted(less, [text])
+
+
+def test_parts_of_the_world_are_held_by_what_belongs_to_them() -> None:
+    """One that is gone takes pairs with it, of which each is told; and of one that is new, its pairs are new."""
+    part: Content = {"subsystem TP": {"title": "others", "description": "busses, cars"}}
+    other: Content = {"subsystem TP": {"title": "others", "description": "busses"}}
+    assert list(changes({}, part)) == []
+    assert weaker(part, other) == ["subsystem TP: its description changed from busses, cars to busses"]
+    assert list(changes(part, {})) == []
+    assert [change.after for change in changes({}, part, missed=False)] == ["there"]

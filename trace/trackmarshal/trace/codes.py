@@ -98,7 +98,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T221": ("a test is gone", "The accepted baseline has a test that is no longer there, or more tests of another runner of a requirement: one was removed, deselected, or not reached. Removing a test on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
     "T222": ("a rule is gone", "The accepted baseline has a rule or an assumption that is no longer there."),
     "T223": ("a requirement is gone", "The accepted baseline has a requirement that is no longer there. Obsolete requirements stay, with the status `obsolete`, so that their ids are not used again."),
-    "T224": ("a derivation is gone", "The accepted baseline has an interface, or a link between requirements and interfaces, that is no longer there."),
+    "T224": ("a derivation is gone", "The accepted baseline has an interface, or a link between requirements and interfaces, that is no longer there; or something else was said there of what belongs to a part of the world, what passes over an interface, or why one is not analysed."),
     "T225": ("a statement has changed", "The requirement reads differently from the accepted baseline: rules, tests and documents made from it are suspect until somebody has reviewed them and accepted the change."),
     "T226": ("new since the baseline", "Things were added since the baseline was accepted, or became more. That is no mistake; until they are accepted, their removal is not noticed."),
     "T227": ("a rule satisfies less", "The rule satisfied a requirement when the baseline was accepted, and does so no longer."),

@@ -42,7 +42,7 @@ _OTHER = {
     "requirement": "T376", "interface": "T224", "rule": "T370", "assumption": "T370", "test": "T374", "scenario": "T375", "fault": "T265",
     "stage": "T371", "gate": "T371", "project": "T371", "evidence": "T373", "param": "T372", "table": "T372", "place": "T372",
     "signal": "T372", "constraint": "T372", "rulebook": "T372", "limit": "T372", "waiver": "T377", "issue": "T224",
-    "infeasible": "T224", "report": "T373", "section": "T373", UNREVIEWED: "T382", "external-tests": "T221", "campaign": "T265",
+    "infeasible": "T224", "subsystem": "T224", "report": "T373", "section": "T373", UNREVIEWED: "T382", "external-tests": "T221", "campaign": "T265",
 }  # fmt: skip
 _OF_FIELD = {
     ("requirement", "statement"): "T225", ("requirement", "derived_from"): "T224", ("requirement", "refines"): "T224",
@@ -256,6 +256,7 @@ def _places(project: Project, spec: Spec) -> Mapping[str, Place]:
     found: dict[str, Place] = {}
     found |= {f"requirement {r.id}": r.place for r in project.requirements}
     found |= {f"interface {i.id}": i.id.place for i in project.interfaces}
+    found |= {f"subsystem {part.id}": part.id.place for part in project.subsystems}
     found |= {f"issue {issue.id}": issue.id.place for i in project.interfaces for issue in i.issues}
     found |= {f"stage {stage.id}": stage.id.place for stage in project.stages}
     found |= {f"gate {d.stage}, {d.at_least}": d.stage.place for d in project.gate}

@@ -17,7 +17,7 @@ from trackmarshal.trace.impact.version import Version
 #: What the baseline calls things that the graph calls otherwise.
 _KINDS = {"param": "parameter", "evidence": "document"}
 #: Nodes of which all that counts is what they say, which is in the graph.
-_OF_GRAPH = ("subsystem", "issue")
+_OF_GRAPH = ("issue",)
 
 
 class Changed(NamedTuple):
