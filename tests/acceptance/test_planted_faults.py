@@ -263,3 +263,16 @@ def test_nothing_is_written_but_results(project: Path) -> None:
     (project / STORE).unlink()
     judged(project)
     assert run_git(project, "status", "--porcelain").split() in ([], ["M", STORE])
+
+
+def test_a_test_of_another_runner_is_skipped_where_a_waiver_answers_for_the_gap(project: Path) -> None:
+    """The waiver answers for something else; that a test was skipped was a warning, and nobody was named for it."""
+    agreed(all_of(evidence.REPORTED, evidence.HALF, evidence.verifying("")))(project)
+    evidence.verifying("<skipped/>")(project)
+    status, found = judged(project)
+    assert (status, sorted(causes(found))) == (
+        1,
+        [("T221", f"S-2 in {evidence.REPORT} at S-3-B"), ("T338", "slow")],
+    )
+    agreed(lambda _: None)(project)
+    assert (judged(project)[0], causes(judged(project)[1])) == (0, [("T338", "slow")])

@@ -193,3 +193,23 @@ def test_parts_of_the_world_are_held_by_what_belongs_to_them() -> None:
     assert weaker(part, other) == ["subsystem TP: its description changed from busses, cars to busses"]
     assert list(changes(part, {})) == []
     assert [change.after for change in changes({}, part, missed=False)] == ["there"]
+
+
+@pytest.mark.parametrize(
+    ("number", "ran", "said"),
+    [
+        ("5", "5", []),
+        ("5", "4", ["its number of those that were not skipped changed from 5 to 4"]),
+        ("6", "5", []),  # one more, which is skipped
+        ("4", "4", ["its number changed from 5 to 4"]),  # told once
+        ("4", "3", ["its number changed from 5 to 4", "its number of those that were not skipped changed from 5 to 3"]),
+    ],
+)  # fmt: skip
+def test_tests_of_another_runner_that_are_skipped(number: str, ran: str, said: list[str]) -> None:
+    key = "external-tests R-1 in r.xml at S-1"
+    report: Content = {"report r.xml at S-1": {"tool": "ctest"}}
+    before: Content = {**report, key: {"number": "5", "not skipped": "5"}}
+    now: Content = {**report, key: {"number": number, "not skipped": ran}}
+    assert sorted(weaker(before, now)) == [f"{key}: {one}" for one in said]
+    earlier: Content = {**report, key: {"number": "5"}}  # which does not hold it
+    assert weaker(earlier, now) == [f"{key}: {one}" for one in said if one.startswith("its number changed")]

@@ -73,6 +73,20 @@ def ran(*names: str, skipped: str = "") -> Edit:
     return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
 
 
+#: A gap at the stage of that report that somebody answers for: a fault that nobody can put in yet.
+HALF = all_of(
+    swap(F, "  - id: F-2\n", "  - {id: F-3, title: Brakes without oil, requirement: S-2, open: there are no brakes yet}\n  - id: F-2\n"),
+    add(V, "  - {id: W-2, stages: [S-3-B], requirements: [S-2], justification: There are no brakes yet., residual_risk: They may be slow., owner: Dana Driver, approver: Sam Safety, granted: 2026-01-01, expires: 2026-12-31}\n"),
+)  # fmt: skip
+
+
+def verifying(came: str) -> Edit:
+    """A report with two tests of S-2, of which the second came to that."""
+    says = '<properties><property name="verifies" value="S-2"/></properties>'
+    tests = f'<testcase classname="drive" name="fast">{says}</testcase><testcase classname="drive" name="slow">{says}{came}</testcase>'
+    return put(REPORT, f'<testsuite name="unit">{tests}</testsuite>'.encode())
+
+
 #: The same in a folder of reports, which is not written as its files are named.
 _FOLDER = all_of(REPORTED, swap(V, f"{{path: {REPORT},", "{path: ./out//reports,"))
 

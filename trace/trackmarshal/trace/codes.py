@@ -95,7 +95,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T218": ("tests that were not run", "A test that was not run covers nothing."),
     "T219": ("an ASIL covered by advisory rules alone", "Advisory rules warn and never decide: nothing that they say keeps the car from driving on. A requirement with an integrity level has a rule that decides, or an assumption."),
     "T220": ("no baseline", "Against the accepted baseline it is noticed what is gone, and what demands or shows less. The project names none, or it is not there, or cannot be read: everything could weaken without a word."),
-    "T221": ("a test is gone", "The accepted baseline has a test that is no longer there, or more tests of another runner of a requirement: one was removed, deselected, or not reached. Removing a test on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
+    "T221": ("a test is gone", "The accepted baseline has a test that is no longer there, or more tests of another runner of a requirement: one was removed, deselected, skipped, or not reached. Removing a test on purpose is accepted by a person, with `trackmarshal trace --accept-baseline`."),
     "T222": ("a rule is gone", "The accepted baseline has a rule or an assumption that is no longer there."),
     "T223": ("a requirement is gone", "The accepted baseline has a requirement that is no longer there. Obsolete requirements stay, with the status `obsolete`, so that their ids are not used again."),
     "T224": ("a derivation is gone", "The accepted baseline has an interface, or a link between requirements and interfaces, that is no longer there; or something else was said there of what belongs to a part of the world, what passes over an interface, or why one is not analysed."),

@@ -39,6 +39,8 @@ WORKED_OUT = ", worked out"
 _EXTERNAL = "external-tests "
 #: Those of them that name the requirement no more.
 UNMARKED = "no longer naming it"
+#: How many of them were not skipped, in any of their parameters.
+RAN = "not skipped"
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
 #: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
 _NAMED = ("person", "indicator", "malfunction", "method", "work")
@@ -131,14 +133,17 @@ def _external(project: Project, outside: Outside) -> Iterator[tuple[str, Entry]]
     """The tests of other runners that show something of a requirement, by the report that they are in, and how many: tests get other names, and are parametrized otherwise."""
     for report in project.junit:
         named: dict[str, set[str]] = defaultdict(set)
+        skipped: dict[str, set[str]] = defaultdict(set)
         for test in _in(report, outside):
             for id_ in test.requirements:
                 named[id_].add(_called(test))
+                if test.outcome == "skipped":
+                    skipped[id_].add(_called(test))
         for id_, tests in named.items():
             if id_ in project.by_id and project.by_id[id_].demanded:
                 yield (
                     f"{_EXTERNAL}{id_} in {report.path} at {report.stage}",
-                    {"number": str(len(tests)), "tests": sorted(tests)},
+                    {"number": str(len(tests)), RAN: str(len(tests - skipped[id_])), "tests": sorted(tests)},
                 )
 
 
