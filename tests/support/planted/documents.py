@@ -20,7 +20,7 @@ def _circle(root: Path) -> None:
     (root / "docs" / "planner.md").symlink_to("planner.md")
 
 
-_APART = all_of(
+APART = all_of(
     swap(
         M, "interfaces:\n", "  - {id: LA, title: lake, role: environment, description: Water.}\ninterfaces:\n"
     ),
@@ -162,9 +162,10 @@ FAULTS = [
     Fault("what passes over an interface struck", swap(M, "    flows: [{kind: physical, initiator: SH, what: tyre forces}]\n", ""), "T224", "SH-RO"),
     Fault("what passes over an interface said otherwise", swap(M, "what: tyre forces", "what: nothing much"), "T224", "SH-RO"),
     Fault("another reason why an interface is not analysed", swap(M, "The shuttle takes no part.", "x"), "T224", "TP-RO"),
+    Fault("another reason why two never meet, said at an interface", all_of(agreed(APART), swap(M, "  - {between: TP-LA, reason: They are far apart.}\n", ""), swap(M, "infeasible:\n", "  - {id: TP-LA, title: others and lake, rationale: x}\ninfeasible:\n")), "T224", "TP-LA"),
     Fault("less that belongs to a part of the world", swap(M, "description: Busses and cars on the avenue.", "description: Busses on the avenue."), "T224", "TP"),
     Fault("a part of the world that is something else", swap(M, "title: others, role", "title: parked busses, role"), "T224", "TP"),
-    Fault("another reason why two never meet", all_of(agreed(_APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
+    Fault("another reason why two never meet", all_of(agreed(APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
     # 30 and 31: what is said of the argument
     Fault("why there is confidence in it, said otherwise", all_of(agreed(ARGUED), swap(_ARGUMENT, "Two people found the same.", "Trust us.")), "T376", "ACP-1"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from support.planted.documents import APART
 from support.planted.edits import (
     Harmless,
     add,
@@ -101,6 +102,7 @@ EDITS = [
     Harmless("a byte order mark", remade(R, lambda data: b"\xef\xbb\xbf" + data)),
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
+    Harmless("a reason why two never meet, said at an interface", all_of(agreed(APART), swap(M, "  - {between: TP-LA, reason: They are far apart.}\n", ""), swap(M, "infeasible:\n", "  - {id: TP-LA, title: others and lake, rationale: They are far apart.}\ninfeasible:\n"))),
     Harmless("more that passes over an interface", swap(M, "what: tyre forces}]", "what: tyre forces}, {kind: information, initiator: RO, what: painted lines}]")),
     Harmless("a title of a requirement", swap(R, "title: Permitted speed", "title: Speed")),
     Harmless("a title of a rule", swap(S, '"No faster than the campus permits"', '"Speed"')),

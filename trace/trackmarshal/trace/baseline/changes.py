@@ -176,7 +176,10 @@ def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
                 continue
             if kind == "issue" and f"interface {name.rpartition('.')[0]}" not in now:
                 continue
-            if kind == "infeasible" and {f"interface {one}" for one in (name, _turned(name))} & now.keys():
+            joined = {f"interface {one}" for one in (name, _turned(name))} & now.keys()
+            if kind == "infeasible" and joined:
+                if any(_otherwise(before[key], one, now) for one in joined):
+                    yield Change(kind, name, "reason", "", "", True)
                 continue
             if kind == "campaign":  # that is not named any more, or of which nothing is known
                 continue
@@ -219,6 +222,14 @@ def _narrowed(before: Content, now: Content) -> Iterator[Change]:
     ]
     if less:
         yield Change("gate", "", "says", "every cell", f"less than that at {', '.join(less)}", True)
+
+
+def _otherwise(pair: Entry, interface: str, now: Content) -> bool:
+    """Whether an interface that came in place of a reason is not analysed either, for another reason."""
+    analysed = any(key.startswith(f"issue {interface.partition(' ')[2]}.") for key in now)
+    return not analysed and now[interface].get("rationale", "") != pair.get(
+        "reason", now[interface].get("rationale", "")
+    )
 
 
 def _turned(pair: str) -> str:
