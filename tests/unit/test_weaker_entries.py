@@ -213,3 +213,43 @@ def test_tests_of_another_runner_that_are_skipped(number: str, ran: str, said: l
     assert sorted(weaker(before, now)) == [f"{key}: {one}" for one in said]
     earlier: Content = {**report, key: {"number": "5"}}  # which does not hold it
     assert weaker(earlier, now) == [f"{key}: {one}" for one in said if one.startswith("its number changed")]
+
+
+@pytest.mark.parametrize(
+    ("field", "old", "new", "less"),
+    [
+        ("severity", "S2", "S3", False),
+        ("severity", "S3", "S2", True),
+        ("exposure", "E1", "E4", False),
+        ("controllability", "C3", "C0", True),
+        ("severity", "S3", "", True),
+    ],
+)
+def test_a_hazard_rated_higher_is_no_less(field: str, old: str, new: str, less: bool) -> None:
+    assert bool(weaker({"hazard H-1": {field: old}}, {"hazard H-1": {field: new}})) == less
+
+
+@pytest.mark.parametrize(
+    ("key", "field"), [("stage S-1", "only if there is any"), ("report r.xml at S-1", "may be missing")]
+)
+def test_what_lets_something_off_may_go(key: str, field: str) -> None:
+    assert weaker({key: {"tool": "ctest", field: "yes"}}, {key: {"tool": "ctest"}}) == []
+    assert weaker({key: {"tool": "ctest"}}, {key: {"tool": "ctest", field: "yes"}}) != []
+
+
+@pytest.mark.parametrize(
+    ("covered", "partial", "less"),
+    [
+        (["R-1", "R-2"], [], []),
+        (["*"], [], []),
+        (["R-1"], ["R-2"], []),
+        (["R-1"], [], ["gate S-1, partial is gone"]),
+        ([], ["R-2"], ["gate S-1, partial: in its requirements `R-1` left"]),
+        (["R-3"], ["R-1"], ["gate S-1, partial: in its requirements `R-2` left"]),
+    ],
+)
+def test_to_be_covered_is_more_than_in_part(covered: list[str], partial: list[str], less: list[str]) -> None:
+    before: Content = {"gate S-1, partial": {"requirements": ["R-1", "R-2"]}}
+    parts = {"gate S-1, covered": covered, "gate S-1, partial": partial, "gate S-2, covered": ["*"]}
+    now: Content = {key: {"requirements": list(value)} for key, value in parts.items() if value}
+    assert weaker(before, now) == less

@@ -31,6 +31,14 @@ S, C, N, B = "specs/rules.spec", "specs/vehicle.spec", "specs/signals.spec", "sp
 F, STORE = "specs/scenarios/faults.yaml", "out/results/evidence.jsonl"
 
 
+#: A demand of which a part is enough in place of one on everything.
+HALF_ENOUGH = swap(
+    V,
+    '  - {stage: S-1-A, requirements: ["*"]}\n',
+    "  - {stage: S-1-A, requirements: [S-1], at_least: partial}\n",
+)
+
+
 def _crlf(data: bytes) -> bytes:
     return data.replace(b"\n", b"\r\n")
 
@@ -103,6 +111,10 @@ EDITS = [
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
     Harmless("a reason why two never meet, said at an interface", all_of(agreed(APART), swap(M, "  - {between: TP-LA, reason: They are far apart.}\n", ""), swap(M, "infeasible:\n", "  - {id: TP-LA, title: others and lake, rationale: They are far apart.}\ninfeasible:\n"))),
+    Harmless("covered where a part was enough", all_of(agreed(HALF_ENOUGH), swap(V, "{stage: S-1-A, requirements: [S-1], at_least: partial}", "{stage: S-1-A, requirements: [S-1]}"))),
+    Harmless("one of two covered where a part was enough", all_of(agreed(swap(V, "  - {stage: S-1-A, requirements: [\"*\"]}\n", "  - {stage: S-1-A, requirements: [S-1, S-2], at_least: partial}\n")), swap(V, "  - {stage: S-1-A, requirements: [S-1, S-2], at_least: partial}\n", "  - {stage: S-1-A, requirements: [S-2], at_least: partial}\n  - {stage: S-1-A, requirements: [\"*\"]}\n"))),
+    Harmless("a stage that asks also where there is nothing", all_of(agreed(swap(V, "counts: [assumption]}", "counts: [assumption], if_any: true}")), swap(V, ", if_any: true}", "}"))),
+    Harmless("a report that has to be there", all_of(agreed(all_of(REPORTED, ran("fast"))), swap(V, ", if_there: true}", "}"))),
     Harmless("more that passes over an interface", swap(M, "what: tyre forces}]", "what: tyre forces}, {kind: information, initiator: RO, what: painted lines}]")),
     Harmless("a title of a requirement", swap(R, "title: Permitted speed", "title: Speed")),
     Harmless("a title of a rule", swap(S, '"No faster than the campus permits"', '"Speed"')),

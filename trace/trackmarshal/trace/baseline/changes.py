@@ -33,6 +33,10 @@ _MORE = {
     ("requirement", "not_verified_by"), ("waiver", "stages"), ("waiver", "requirements"), ("waiver", "codes"), ("waiver", "subjects"),
     ("evidence", "unnamed"), ("external-tests", UNMARKED),
 }  # fmt: skip
+#: Fields that let something off as long as they are there: that a stage asks only where there is anything, that a report need not be there.
+_LENIENT = {("stage", "only if there is any"), ("report", "may be missing")}
+#: What hazards are rated as: a letter with a number, of which more is worse.
+_CLASSES = ("severity", "exposure", "controllability")
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {
     ("param", "shown"),
@@ -48,6 +52,8 @@ _SILENT = {
 
 #: What entries of demands of the gate begin with.
 _GATE = "gate "
+#: And what they end with that ask for less.
+_PARTIAL = ", partial"
 #: Why a report that may be missing is less, and methods that it names: nobody asks for other evidence then (T255).
 _EXCUSES = "it may be missing, and other evidence is not asked for then"
 #: Why methods that a document or a report is said to answer are: no link tells that it does.
@@ -162,6 +168,7 @@ def changes(
 
 
 def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
+    before = _raised(before, now)
     renamed = _renamed(before, now)
     listed = any(key.startswith(_GATE) for key in now)
     if listed and not any(key.startswith(_GATE) for key in before):
@@ -210,6 +217,23 @@ def _more_skipped(before: Entry, now: Entry) -> bool:
 
 def _fell(before: Entry, now: Entry, field: str) -> int:
     return int(_text(before.get(field, "")) or 0) - int(_text(now.get(field, "")) or 0)
+
+
+def _raised(before: Content, now: Content) -> Content:
+    """What was accepted, but for requirements of which a cell need only be covered in part and is now to be covered: that is more."""
+    found = dict(before)
+    for key, entry in before.items():
+        if key.startswith(_GATE) and key.endswith(_PARTIAL) and "requirements" in entry:
+            whole = now.get(f"{key.removesuffix(_PARTIAL)}, covered", {}).get("requirements", ())
+            kept = set(now.get(key, {}).get("requirements", ()))
+            left = [
+                one for one in _elements(entry["requirements"]) if one in kept or not {one, "*"} & {*whole}
+            ]
+            if left:
+                found[key] = {**entry, "requirements": left}
+            else:
+                del found[key]
+    return found
 
 
 def _narrowed(before: Content, now: Content) -> Iterator[Change]:
@@ -398,6 +422,16 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return False
     if field == "boundary":
         return not new
+    if (kind, field) in _LENIENT:
+        return bool(new)
+    if (
+        kind == "hazard"
+        and field in _CLASSES
+        and isinstance(old, str)
+        and isinstance(new, str)
+        and old[:1] == new[:1] != ""
+    ):
+        return new < old
     if (kind, field) == ("waiver", "expires"):
         return _text(new) > _text(old)
     return True
