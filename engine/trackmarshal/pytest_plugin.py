@@ -155,6 +155,8 @@ class _Seen:
     file: str
     line: int
     held: str = ""  #: sha256 of what the file held
+    collected: str = ""  #: the file of its class, where that inherits it from another file
+    collected_held: str = ""
     outcome: str = ""
     message: str = ""
     duration: float = 0.0
@@ -179,7 +181,13 @@ class _Results:
             return
         file, line, _ = report.location
         if report.nodeid not in self._seen:
-            self._seen[report.nodeid] = _Seen(ids, file, (line or 0) + 1, self._held(file))
+            own = report.nodeid.partition("::")[
+                0
+            ]  # what a class sets for tests that it inherits stands there
+            own = "" if own == Path(file).as_posix() else own
+            self._seen[report.nodeid] = _Seen(
+                ids, file, (line or 0) + 1, self._held(file), own, self._held(own) if own else ""
+            )
         seen = self._seen[report.nodeid]
         seen.phases.add(report.when or "")
         seen.duration += report.duration
@@ -203,6 +211,7 @@ class _Results:
                 ExternalTest(
                     suite, name, tuple(dict.fromkeys(seen.ids)), seen.outcome, seen.message, self._shown(seen.file),
                     seen.line, seen.duration, f"pytest {pytest.__version__}", now, file_hash=seen.held,
+                    collected=self._shown(seen.collected) if seen.collected else "", collected_hash=seen.collected_held,
                 )
             )  # fmt: skip
         save(self._path, ResultsFile("external_tests", tuple(items), __version__, now))

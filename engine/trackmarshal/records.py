@@ -466,13 +466,15 @@ class ExternalTest:
     file_hash: str = (
         ""  #: sha256 of what the file of the test held when it ran; empty where its runner does not say
     )
+    collected: str = ""  #: where its class stands, if that inherits it from a class in another file
+    collected_hash: str = ""  #: the same of that file
 
     def to_json(self) -> dict[str, Any]:
         return {
             "suite": self.suite, "name": self.name, "requirements": list(self.requirements), "outcome": self.outcome,
             "message": self.message, "file": self.file, "line": self.line, "duration": self.duration, "tool": self.tool,
             "created": self.created, "report": self.report, "report_line": self.report_line, "report_hash": self.report_hash,
-            "file_hash": self.file_hash,
+            "file_hash": self.file_hash, "collected": self.collected, "collected_hash": self.collected_hash,
         }  # fmt: skip
 
     @classmethod
@@ -482,6 +484,7 @@ class ExternalTest:
             f.text("suite"), f.text("name"), f.texts("requirements"), f.word("outcome", EXTERNAL_OUTCOMES), f.text("message", ""),
             f.text("file", ""), f.count("line", 0), f.time("duration"), f.text("tool", ""), f.text("created", ""),
             f.text("report", ""), f.count("report_line", 0), f.text("report_hash", ""), f.text("file_hash", ""),
+            f.text("collected", ""), f.text("collected_hash", ""),
         )  # fmt: skip
 
 

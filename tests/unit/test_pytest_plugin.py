@@ -104,6 +104,20 @@ def run(project: Path, tests: str, *arguments: str) -> subprocess.CompletedProce
 
 
 @pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
+def test_of_an_inherited_test_both_files_are_held(project: Path, more: list[str]) -> None:
+    checks = 'import pytest\n\n\nclass Checks:\n    @pytest.mark.verifies("RR-1")\n    def test_limit(self):\n        assert self.limit == 12\n'
+    own = "from checks import Checks\n\n\nclass TestDoor(Checks):\n    limit = 12\n\n    def test_more(self): ...\n"
+    (project / "tests" / "checks.py").write_text(checks, "utf-8")
+    done = run(project, own, "--trackmarshal-results=out/a.json", *more)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (test,) = load(project / "out" / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert (test.file, test.line, test.collected) == ("tests/checks.py", 5, "tests/test_door.py")
+    assert test.file_hash == hashlib.sha256(checks.encode()).hexdigest()
+    assert test.collected_hash == hashlib.sha256(own.encode()).hexdigest()
+
+
+@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
 def test_what_is_written(project: Path, more: list[str]) -> None:
     done = run(
         project, TESTS, "--strict-markers", "--junitxml=out/a.xml", "--trackmarshal-results=out/a.json", *more
@@ -118,6 +132,7 @@ def test_what_is_written(project: Path, more: list[str]) -> None:
     opens = tests["TestDoor::test_opens"]
     assert (opens.suite, opens.file, opens.line) == ("tests/test_door.py", "tests/test_door.py", 9)
     assert opens.file_hash == hashlib.sha256(TESTS.encode()).hexdigest()
+    assert (opens.collected, opens.collected_hash) == ("", "")
     assert "the other side" in tests["TestDoor::test_shuts[2]"].message
     assert tests["TestDoor::test_locks"].message == "Skipped: no lock"
     # pytest's own report says the same of every test; one whose teardown fails it lists once, as an error.

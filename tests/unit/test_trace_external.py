@@ -85,6 +85,33 @@ def test_what_passed_with_another_version_of_its_file_is_stale(tmp_path: Path) -
     assert cell(small, "S-1-B-1").status == "stale"
 
 
+def test_what_a_class_sets_for_tests_that_it_inherits_counts_too(tmp_path: Path) -> None:
+    """The test stands in one file, and what it is held against in another one."""
+    small = project(tmp_path, "junit: [{path: out/pytest.json, stage: S-3-B}]")
+    (small.root / "tests").mkdir()
+    files = {name: small.root / "tests" / name for name in ("checks.py", "test_door.py")}
+    for file in files.values():
+        file.write_text("limit = 12\n", "utf-8")
+    held = hashlib.sha256(b"limit = 12\n").hexdigest()
+    test = ExternalTest(
+        "tests/test_door.py",
+        "TestDoor::test_limit",
+        ("S-1-B-1",),
+        "passed",
+        file="tests/checks.py",
+        file_hash=held,
+        collected="tests/test_door.py",
+        collected_hash=held,
+    )
+    save(small.root / "out" / "pytest.json", ResultsFile("external_tests", (test,), "0", "2026-01-01"))
+    assert cell(small, "S-1-B-1").status == "covered"
+    for file in files.values():
+        file.write_text("limit = 13\n", "utf-8")
+        assert cell(small, "S-1-B-1").status == "stale"
+        file.write_text("limit = 12\n", "utf-8")
+    assert cell(small, "S-1-B-1").status == "covered"
+
+
 def test_each_of_several_counts(tmp_path: Path) -> None:
     small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
     bad = PASSED.format("late", "S-1-B-1").replace("</testcase>", "<failure/></testcase>")

@@ -86,9 +86,12 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
     for test in tests:
         if test.file not in here:
             here[test.file] = _in_project(root, test.file)
-            held[test.file] = _held(root, test.file) if test.file_hash else ""
         file = here[test.file]
-        if test.outcome == "passed" and test.file_hash and test.file_hash != held[test.file]:
+        ran = [(test.file, test.file_hash), (test.collected, test.collected_hash)]
+        for path, digest_ in ran:
+            if digest_ and path not in held:
+                held[path] = _held(root, path)
+        if test.outcome == "passed" and any(digest_ and digest_ != held[path] for path, digest_ in ran):
             test = replace(test, outcome=STALE, message="its file has changed since it ran")
         yield External(
             test, entry.stage, Place(file, test.line) if file else Place(test.report, test.report_line)
