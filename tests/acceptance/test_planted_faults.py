@@ -17,6 +17,7 @@ from support.planted import answers, documents, evidence, harmless, specs
 from support.planted.edits import (
     BASELINE,
     STORE,
+    Edit,
     Fault,
     Harmless,
     accepted,
@@ -26,6 +27,7 @@ from support.planted.edits import (
     committed,
     cut,
     git,
+    gone,
     moved,
     put,
     run_git,
@@ -117,6 +119,29 @@ def test_two_faults_are_two_causes(project: Path) -> None:
         ("T374", "braking"),
     ]
     assert status == 1
+
+
+@pytest.mark.parametrize(
+    ("file", "code", "subject"),
+    [(evidence.HURRY, "T240", evidence.HURRY), ("docs/planner.md", "T250", "docs/planner.md")],
+)
+@pytest.mark.parametrize(
+    ("edit", "also", "what"),
+    [
+        (cut("specs/rules.spec", "rule speed_limit", "rule braking"), "T222", "speed_limit"),
+        (
+            swap("requirements/requirements.yaml", "no faster than 12 m/s", "no faster than 13 m/s"),
+            "T225",
+            "S-1",
+        ),
+    ],
+)
+def test_where_a_file_is_not_there_nothing_else_was_changed_since(
+    file: str, code: str, subject: str, edit: Edit, also: str, what: str, project: Path
+) -> None:
+    """It was told as a consequence that a rule is gone, and a statement another one, and met only when the file was there again."""
+    all_of(gone(file), edit)(project)
+    assert sorted(causes(judged(project)[1])) == [(also, what), (code, subject)]
 
 
 def test_a_gate_that_is_written_down_hides_nothing_that_is_gone(project: Path) -> None:

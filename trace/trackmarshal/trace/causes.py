@@ -91,6 +91,8 @@ _OF_ABSENCE = frozenset(
 #: What something came to when it was run, and of findings of documents those that change that: a page that is not there does not make a test fail.
 _CAME_OUT = frozenset({"T215", "T229", "T249", "T243", "T244", "T245", "T260"})
 _BEFORE = frozenset(["T214", "T222", "T228", "T240", "T263", "T264", "T265", "T370", "T372", "T374", "T375"])
+#: What is said of files that declare nothing: where a recording or a page is not there, no rule and no requirement is gone since.
+_OF_FILES = frozenset({"T240", "T250"})
 #: Nothing was run.
 _NOT_RUN = frozenset({"T241", "T262"})
 #: What is said of reviews themselves.
@@ -192,6 +194,9 @@ class _Folding:
                     if (
                         root is finding
                         or root in seen
+                        or (
+                            self._key[other][0] == OPEN and step <= UNREAD
+                        )  # nothing was changed since a cell is open
                         or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
                     ):
                         continue
@@ -255,7 +260,7 @@ class _Folding:
         for first in self._found[
             :2
         ]:  # a file that cannot be read comes first; else that fewer specs are read
-            read = self._key[first][0] <= UNUSABLE or (
+            read = (self._key[first][0] <= UNUSABLE and first.code not in _OF_FILES) or (
                 finding.gone and first.code == "T371" and not first.subject
             )
             if read and self._key[first][0] < self._key[finding][0]:
