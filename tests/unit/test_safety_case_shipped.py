@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections import Counter
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 from support.project import command, copy_project
 from support.safety_case import DAY, NUMBER, Page, corpus, graph_numbers, html, is_place
 from support.shared import REPOSITORY
+from trackmarshal.trace.case.sections.driven import at_most
 from unit.test_safety_case_results import counted, picture, under, words
 
 
@@ -131,6 +133,8 @@ def test_numbers_of_a_drive_are_those_that_were_kept(page: Page) -> None:
     begin = "drive/specs/field/lvms.yaml/"
     assert under(page, begin) == {
         f"{begin}per hour": f"{fired / drive['hours']:.4g}", f"{begin}per km": f"{fired / drive['km']:.4g}",
+        # Nothing fired, so that of a mean of three nothing is seen once in twenty times.
+        f"{begin}at most per hour": f"{-math.log(0.05) / drive['hours']:.4g}", f"{begin}at most per km": f"{-math.log(0.05) / drive['km']:.4g}", f"{begin}confidence": "95",
         **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.4g}" for one in drive["least"]},
     }  # fmt: skip
     # The cycles are a tenth of a second apart, and the drive took as long as they do.
@@ -139,6 +143,14 @@ def test_numbers_of_a_drive_are_those_that_were_kept(page: Page) -> None:
         number, _, unit = one["shown"].partition(" ")
         factor = 1e-3 if unit == "ms" else 1.0
         assert float(number) * factor == pytest.approx(one["margin"], rel=1e-3, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("events", "most"), [(0, 2.9957), (1, 4.7439), (10, 16.962), (100, 118.08), (2000, 2075.0)]
+)
+def test_how_much_may_have_been_missed(events: int, most: float) -> None:
+    """As tables of the Poisson distribution have it, for 95 %."""
+    assert at_most(events, 0.05) == pytest.approx(most, rel=1e-4)
 
 
 def test_rules_that_a_drive_says_nothing_of_are_named(page: Page) -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from trackmarshal.records import DriveFacts, RunSummary
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number
 from trackmarshal.trace.case.writing import Writing, given, joined
+
+#: How sure one may be of what a drive bounds, in percent.
+_SURE = 95
 
 
 def field(writing: Writing) -> Iterator[Block]:
@@ -31,12 +35,18 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
     rates = writing.line(
         "field.rates", hour=_number(run, "per hour", fired / drive.hours), km=_number(run, "per km", fired / drive.km) if drive.km > 0 else Fixed("–")
     )  # fmt: skip
+    most = at_most(fired, 1 - _SURE / 100)
+    bound = writing.line(
+        "field.bound", hour=_number(run, "at most per hour", most / drive.hours), km=_number(run, "at most per km", most / drive.km) if drive.km > 0 else Fixed("–"),
+        sure=_number(run, "confidence", _SURE),
+    )  # fmt: skip
     facts: list[tuple[str, Line]] = [
         ("label.hours", (writing.said_number(node, "hours"), Fixed(" h"))),
         ("label.way", (writing.said_number(node, "km"), Fixed(" km"))),
         ("label.cycles", (writing.said_number(node, "cycles"),)),
         ("label.firings", (writing.said_number(node, "firings"),)),
         ("label.rates", rates),
+        ("label.bound", bound),
         ("label.firing", joined([(Code(rule), Fixed(" "), _number(run, f"firings {rule}", number)) for rule, number in sorted(drive.firings.items())])),
         ("label.silent", joined([given(rule) for rule in _silent(run)])),
     ]  # fmt: skip
@@ -48,6 +58,19 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
         ]
         for one in drive.least
     ))  # fmt: skip
+
+
+def at_most(events: int, risk: float) -> float:
+    """How many events are to be expected at most of as much as was seen, where it had so few: those of which so few are seen with this probability, if each comes by itself."""
+    low, high = 0.0, events + 10.0 + 10.0 * math.sqrt(events + 1)
+    for _ in range(100):
+        middle = (low + high) / 2
+        seen = sum(
+            math.exp(number * math.log(middle) - middle - math.lgamma(number + 1))
+            for number in range(events + 1)
+        )
+        low, high = (middle, high) if seen > risk else (low, middle)
+    return high
 
 
 def _silent(run: RunSummary) -> list[str]:
@@ -68,4 +91,4 @@ def _number(run: RunSummary, what: str, value: float) -> Number:
     return Number(f"drive/{run.scenario}/{what}", f"{value:.4g}")
 
 
-__all__ = ["field"]
+__all__ = ["at_most", "field"]
