@@ -165,6 +165,9 @@ FAULTS = [
     Fault("another reason why two never meet, said at an interface", all_of(agreed(APART), swap(M, "  - {between: TP-LA, reason: They are far apart.}\n", ""), swap(M, "infeasible:\n", "  - {id: TP-LA, title: others and lake, rationale: x}\ninfeasible:\n")), "T224", "TP-LA"),
     Fault("less that belongs to a part of the world", swap(M, "description: Busses and cars on the avenue.", "description: Busses on the avenue."), "T224", "TP"),
     Fault("a part of the world that is something else", swap(M, "title: others, role", "title: parked busses, role"), "T224", "TP"),
+    Fault("two that meet, and never meet", add(M, "infeasible:\n  - {between: RO-TP, reason: They do not meet.}\n"), "T130", "RO-TP"),
+    Fault("two that never meet for two reasons", all_of(agreed(APART), add(M, "  - {between: TP-LA, reason: Nobody looked.}\n")), "T130", "TP-LA"),
+    Fault("an interface in both orders", swap(M, "  - id: TP-RO\n", "  - {id: RO-TP, title: road and others, rationale: Nobody looked.}\n  - id: TP-RO\n"), "T130", "TP-RO"),
     Fault("another reason why two never meet", all_of(agreed(APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
     # 30 and 31: what is said of the argument

@@ -30,7 +30,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T127": ("an incomplete record", "The record's fields do not go together: a scenario that is to fire names the rules, one that is generated is not from the field, a waiver names either cells or findings, a range has two ends of one dimension, the lower one first."),
     "T128": ("text that YAML takes for something else", "Without quotes, `no`, `1.0`, `2026-01-31` or `~` are a Boolean, a number, a date and nothing to YAML readers. Quotes make them text for everybody."),
     "T129": ("a document given twice", "A project has one system model and one V-model; requirements may be spread over many files."),
-    "T130": ("an id given twice", "An id names one thing. Two requirements with one id could hide behind each other's evidence; so could a scenario under two paths, and a person under two ids."),
+    "T130": ("an id given twice", "An id names one thing. Two requirements with one id could hide behind each other's evidence; so could a scenario under two paths, a campaign whose faults count twice, two subsystems that meet and do not, and a person under two ids."),
     "T131": ("ids that look alike", "The two ids differ only by case or by characters that are easily confused (0 and O, 1 and I and l, 5 and S, 8 and B, 2 and Z)."),
     "T132": ("derived from an unknown interface", "`derived_from` names an interface that the system model does not have. The criterion's origin is gone."),
     "T133": ("an interface that is not analysed", "Every interface between the vehicle and its environment, and the vehicle's own properties, answer the guiding question: what kind of issue with this interface could pose a risk to safe operation? Interfaces that do not touch the vehicle give a rationale instead."),

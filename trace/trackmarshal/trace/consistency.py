@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.trace import wording
@@ -41,7 +42,9 @@ def _twice(what: str, paths: Iterable[Placed], stages: Sequence[str] = ()) -> It
     first: dict[tuple[str, str], Placed] = {}
     for number, path in enumerate(paths):
         stage = stages[number] if stages else ""
-        before = first.setdefault((str(path), stage), path)
+        before = first.setdefault((posixpath.normpath(path), stage), path)
+        if what != "report" and before != path:
+            continue  # one file under two paths is told by what is in it
         if before is not path:
             message = f"the {what} `{path}` is named twice" + f" at `{stage}`" * bool(stage)
             also = ((before.place, "first named here"),)
@@ -61,23 +64,20 @@ def _persons(project: Project) -> Iterator[Finding]:
 
 
 def recordings(project: Project, hashes: Hashes) -> Iterator[Finding]:
-    """Recordings that stand under two paths (T130): one of them could count as from the field, and be no second case."""
+    """Recordings and campaigns that stand under two paths (T130): one of them could count as from the field, and is no second case; faults would count twice."""
+    yield from _copies("scenario", (s.path for s in project.scenarios), hashes)
+    yield from _copies("campaign", project.campaigns, hashes)
+
+
+def _copies(what: str, paths: Iterable[Placed], hashes: Hashes) -> Iterator[Finding]:
     first: dict[str, Placed] = {}
-    for scenario in project.scenarios:
-        digest = hashes.get(scenario.path)
-        before = scenario.path if digest is None else first.setdefault(digest, scenario.path)
-        if before != scenario.path:
-            message = f"the scenario `{scenario.path}` is the scenario `{before}` under another path"
+    for path in paths:
+        digest = hashes.get(path)
+        before = path if digest is None else first.setdefault(digest, path)
+        if before != path:
+            message = f"the {what} `{path}` is the {what} `{before}` under another path"
             also = ((before.place, "the other one"),)
-            yield Finding(
-                "T130",
-                "error",
-                message,
-                scenario.path.place,
-                "keep one of the entries",
-                str(scenario.path),
-                also,
-            )
+            yield Finding("T130", "error", message, path.place, "keep one of the entries", str(path), also)
 
 
 def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:
@@ -128,6 +128,7 @@ def _model(project: Project) -> Iterator[Finding]:
                 yield error(
                     "T146", f"`{name}` is to join `{end}`, which is no subsystem", name.place, help_, name
                 )
+    yield from _pairs(project)
     for interface in project.interfaces:
         yield from _interface(interface, project)
     joined = {frozenset(name.split("-")) for name in pairs}
@@ -143,6 +144,23 @@ def _model(project: Project) -> Iterator[Finding]:
     if project.vehicle and not any(i.id == project.vehicle for i in project.interfaces):
         message = f"the properties of `{project.vehicle}` itself are not analysed"
         yield error("T144", message, place, f"add the interface `{project.vehicle}`", project.vehicle)
+
+
+def _pairs(project: Project) -> Iterator[Finding]:
+    """Subsystems of which it is said twice whether they meet (T130): as an interface and as a pair without one, for two reasons, or in both orders."""
+    first: dict[frozenset[str], Placed] = {}
+    called = [("interface", i.id) for i in project.interfaces]
+    interfaces = {str(id_) for _, id_ in called}
+    for what, pair in (*called, *(("pair without an interface", i.between) for i in project.infeasible)):
+        before = first.setdefault(frozenset(pair.split("-")), pair)
+        if before is pair or (
+            what == "interface" and before == pair
+        ):  # interfaces have ids, which are looked at
+            continue
+        other = "interface" if str(before) in interfaces else "pair without an interface"
+        message = f"the {what} `{pair}` is the {other} `{before}` again"
+        also = ((before.place, "first said here"),)
+        yield Finding("T130", "error", message, pair.place, "keep one of the entries", str(pair), also)
 
 
 def _interface(interface: Interface, project: Project) -> Iterator[Finding]:
