@@ -24,6 +24,7 @@ from support.sanitized import FLAGS as SANITIZED
 from support.shared import SUPERVISOR
 from support.supervised import shipped
 from trackmarshal.backends.c import build
+from trackmarshal.backends.c.calls import inexact
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.report import complexity, libm
 from trackmarshal.backends.c.source import Source, generate
@@ -188,6 +189,29 @@ def test_report_knows_libm_and_complexity() -> None:
     values = complexity(source())
     assert values["tm_check"] >= 1
     assert values["tm_timeline_inside"] > 10
+
+
+def test_what_is_exact_in_every_c_library_is_no_reason_for_other_digits() -> None:
+    """`round` is `rint`, a table that repeats is read by `fmod`, and a rule with a deadline asks `isnan`: docs/language.md says that none of these differs."""
+    exact = loads("""
+module exact
+signal e : state { a: 1, m: m }
+table laps(m: m) -> m = linear wrap 100 m
+  | 0 m: 1 m | 50 m: 2 m |
+rule rounded "Round"
+  require round(e.a) <= 3
+rule wrapped "Wrap"
+  require laps(e.m) <= 1.5 m
+rule due "Within a time"
+  whenever e.a > 1
+  within 2 s
+  require e.m > 1 m
+rule grown "The C library's own"
+  require exp(e.a) <= 3
+""")
+    generated = generate(exact, chosen_rules(exact, None))
+    assert inexact(generated) == {"grown": ["exp"]}
+    assert {"rint", "fmod", "exp"} <= set(libm(generated))
 
 
 @needs_compiler

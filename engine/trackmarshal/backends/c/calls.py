@@ -10,8 +10,10 @@ from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir import nodes as ir
 
-#: Functions of libm that every C library computes to the same last bit, as IEEE 754 defines them.
-EXACT = frozenset(("fabs", "fabsf", "sqrt", "floor", "ceil", "remainder"))
+#: What every C library computes to the same last bit, as IEEE 754 and C99 define it; `isnan` and its like compute no number at all.
+EXACT = frozenset(
+    ("fabs", "fabsf", "sqrt", "floor", "ceil", "rint", "fmod", "remainder", "isnan", "isinf", "isfinite")
+)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^(?:static (?:inline )?)?[a-z_]\w* \*?(tm_\w+)\([^;{]*?\)\s*\{", re.MULTILINE)
 _CALLED = re.compile(r"\b([a-z]\w*)\(")

@@ -28,6 +28,7 @@ from trackmarshal.runtime.decision import MOST_REASONS
 LIBM = (
     *dict.fromkeys(("fabs", "fabsf", *chain.from_iterable(called(name)[1] for name in FUNCTIONS))),
     "hypot",
+    "fmod",
     "remainder",
 )
 _FUNCTION = re.compile(
