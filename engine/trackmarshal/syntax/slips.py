@@ -78,6 +78,8 @@ def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -
         return "the condition of a rule is a clause of its own: `whenever CONDITION`"
     if found == ":" and re.fullmatch(r"\s*(for\s+all|exists)\b[^(]*", line):
         return "no `:` ends a clause: `require` follows in the next line; `for all p in plan: (...)` is for formulas"
+    if found == "|" and keyword == "table" and before.rstrip().endswith("|"):
+        return "one `|` stands between two rows: leave out the one at the end of the row above; the last row alone ends with one"
     if found == "|" and "MINUS" in expected and "AND" not in expected:
         return "write `abs(...)` for an absolute value"
     if found == "," and "AND" in expected and not open_brackets(before):
