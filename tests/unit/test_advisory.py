@@ -20,6 +20,7 @@ from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.program import Judged, Rated
 from trackmarshal.supervision import supervisor
 
+NEEDS_COMPILER = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
 SIGNALS = """module m
 signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s in [-10, 150] }
 signal ego : state { x: m, y: m, heading: rad, v: m/s }
@@ -68,7 +69,7 @@ def test_the_supervisor_drives_on_and_says_so(backend: str) -> None:
     assert made.step(cycle(3, 15.0, (1.0, 2.0))).advisories[0].margin == -1.0
 
 
-@pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
+@NEEDS_COMPILER
 def test_generated_c_decides_as_python_does() -> None:
     pair = Pair(Evaluator(loads(SIGNALS + WARNS + DECIDES + HINTS)))
     for number, (fastest, objects) in enumerate(
@@ -96,6 +97,37 @@ def test_a_case_is_safe_by_what_decides() -> None:
     ]  # fmt: skip
     batch = evaluator.batch({"plan": {k: np.array([v, v], dtype=float) for k, v in case["plan"].items()}})
     assert batch.safe.tolist() == [True, True]
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", pytest.param("c", marks=NEEDS_COMPILER)])
+def test_a_run_is_safe_by_what_decides(backend: str) -> None:
+    """Of advisory rules that remember, along a course and over the run, too."""
+    remembering = """module m
+signal ego : state { v: m/s }
+signal plan : trajectory { t: s increasing, v: m/s }
+course path = ego for 2 s then plan
+rule decides
+  require ego.v <= 50 m/s
+rule warns
+  severity advisory
+  require not once[0 s, 1 s] ego.v > 20 m/s
+rule hints
+  severity advisory
+  along path as c
+  require historically c.v <= 20 m/s
+"""
+    evaluator = Evaluator(loads(remembering), None, backend)
+    run = evaluator.over_run()
+    for t, fastest in enumerate((10.0, 30.0, 60.0)):
+        case = {"ego": {"v": fastest}, "plan": {"t": [0, 1], "v": [fastest, fastest]}}
+        result = run.step(evaluator.read({"t": float(t), "signals": case}))
+        assert result.safe == (fastest < 50.0)
+        assert [one.advisory for one in result.rules.values()] == [False, True, True]
+        assert [one.fired for one in result.rules.values()] == [
+            fastest > 50.0,
+            fastest > 20.0,
+            fastest > 20.0,
+        ]
 
 
 def test_nothing_is_safe_by_advisory_rules_alone() -> None:

@@ -55,4 +55,4 @@ class Explaining:
         told = own or (About(frame.number, *said, said[0] != "open"),)
         if rule.course is not None:  # it is about this cycle alone
             told = ()
-        return RuleResult(rule.name, *said, unit, None, reason, None, "", told)
+        return RuleResult(rule.name, *said, unit, None, reason, None, "", told, rule.advisory)
