@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from trackmarshal.backends.c import build
 from trackmarshal.diagnostics.base import Diagnostic
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing.cases import prepare
 from trackmarshal.testing.run import Outcome, coverage, run_tests
@@ -96,3 +98,68 @@ def test_a_margin_that_is_another_in_its_last_bits_alone_says_so(tmp_path: Path)
     assert found == []
     (outcome,) = run_tests(compiled.spec, tests)
     assert outcome.message.endswith(": the last bits differ, expect `margin about 10 km/h within ...`")
+
+
+RUN_HEAD = """rule remembers "Slow and far away, and never fast"
+  require ego.v <= 5 m/s and ego.gap >= 20 m and not once[0 s, 1 s] ego.v > 50 m/s
+"""
+
+
+@pytest.mark.parametrize(
+    ("expect", "outcome"),
+    [
+        ("satisfied, margin 3 m/s", "passed"), ("satisfied, margin 3 m", "passed"), ("satisfied, margin 4 m/s", "failed"),
+        ("violated, margin 3 m/s", "failed"),
+    ],
+)  # fmt: skip
+def test_of_a_rule_over_the_run_the_number_counts(expect: str, outcome: str, tmp_path: Path) -> None:
+    """Nobody keeps which of its comparisons decided: every unit of theirs was said to be another one, and none to be needed."""
+    path = tmp_path / "made.spec"
+    path.write_text(
+        f'{HEAD}{RUN_HEAD}test remembers "t"\n  given ego = {{ v: 2 m/s, gap: 30 m }}\n  expect {expect}\n',
+        "utf-8",
+    )
+    compiled = compile_paths([path], tmp_path)
+    tests, found = prepare(compiled)
+    assert not found
+    assert [ran.outcome for ran in run_tests(compiled.spec, tests)] == [outcome]
+
+
+COUNTS = """module counts
+signal ego : state { v: m/s }
+signal plan : trajectory { t: s increasing, v: m/s }
+event braking "the brake light is on"
+rule over_run "Seldom, and slow"
+  require count(rising(braking), last: 10 s) <= 3 and ego.v <= 50 km/h
+rule along_plan "Seldom, and slow"
+  along plan as p
+  require always (count(p.v > 10 m/s, last: 10 s) <= 3 and p.v <= 50 km/h)
+rule alone "Seldom"
+  require count(rising(braking), last: 10 s) <= 3
+"""
+
+
+@pytest.mark.parametrize(
+    "backend",
+    [
+        "reference",
+        "numpy",
+        pytest.param("c", marks=pytest.mark.skipif(build.compiler() is None, reason="no C compiler")),
+    ],
+)
+def test_a_count_is_no_speed(backend: str) -> None:
+    """What is counted has no unit, whatever it is compared beside: three times were 3 m/s."""
+    evaluator = Evaluator(loads(COUNTS), None, backend)
+    case = {"ego": {"v": 1.0}, "plan": {"t": [0.0, 1.0], "v": [1.0, 1.0]}, "braking": True}
+    said = evaluator.over_run().step(evaluator.read({"t": 0.0, "signals": case}))
+    assert {name: (one.margin, one.unit) for name, one in said.rules.items()} == {
+        "over_run": (2.0, "1"), "along_plan": (3.0, "1"), "alone": (2.0, "1"),
+    }  # fmt: skip
+
+
+def test_a_scale_beside_a_count_changes_no_number() -> None:
+    """Counts have no scale, so that one speed beside a count is in its own unit, whatever is declared."""
+    scaled = Evaluator(loads(COUNTS.replace("event", "scale m/s = 5 m/s\nevent")))
+    case = {"ego": {"v": 13.0}, "plan": {"t": [0.0, 1.0], "v": [1.0, 1.0]}, "braking": True}
+    said = scaled.over_run().step(scaled.read({"t": 0.0, "signals": case})).rules["over_run"]
+    assert said.margin == 50 * 5 / 18 - 13.0

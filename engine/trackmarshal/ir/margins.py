@@ -24,21 +24,35 @@ def margin_unit(formula: ir.Formula | None) -> str:
 
 
 def margin_units(formula: ir.Formula) -> set[str]:
-    """The units of a formula's comparisons, one of which is that of its margin."""
+    """The units of a formula's comparisons, one of which is that of its margin; where cycles or samples are counted, it may be a plain number."""
+    counts = any(isinstance(n, ir.Counted | ir.Tallied) for n in formula_atoms(formula))
+    return measured_units(formula) | ({"1"} if counts else set())
+
+
+def measured_units(formula: ir.Formula) -> set[str]:
+    """The units of what has a scale: counts of cycles and of samples have none."""
     atoms = formula_atoms(formula)
     units = {n.unit for n in atoms if isinstance(n, ir.Compare) and n.op != "is"}  # that one is a Boolean
     return units | {"m" for n in atoms if isinstance(n, ir.Geometry)}
 
 
 def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
-    """The comparisons, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
+    """The comparisons, counts, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
     atoms: list[ir.Formula] = []
     stack: list[ir.Formula] = [formula]
     while stack:
         node = stack.pop()
         match node:
-            case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
-                atoms.append(node)
+            case (
+                ir.Compare()
+                | ir.Flag()
+                | ir.SweptInside()
+                | ir.SweptClear()
+                | ir.InArea()
+                | ir.Counted()
+                | ir.Tallied()
+            ):
+                atoms.append(node)  # of a count, whatever is counted is measured in
             case ir.Truth():
                 pass
             case ir.Quantify() | ir.Guarded():
@@ -51,8 +65,6 @@ def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
                 stack += node.operands
             case ir.InState():
                 pass  # a Boolean
-            case ir.Counted() | ir.Tallied():
-                pass  # cycles or samples are counted, whatever is counted is measured in
             case _:
                 assert_never(node)
     return atoms

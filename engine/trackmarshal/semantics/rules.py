@@ -10,7 +10,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
-from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, margin_units
+from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, measured_units
 from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo, SignalType
@@ -125,7 +125,8 @@ class RuleBuilder:
             return None
         unit = margin_unit(core.formula if core else None)
         if rule is not None and core is not None and unit == MIXED:
-            if any(self.x.scales.get(each, 1.0) != 1.0 for each in margin_units(core.formula)):
+            measured = measured_units(core.formula)
+            if len(measured) > 1 and any(self.x.scales.get(each, 1.0) != 1.0 for each in measured):
                 core, unit = lower_rule(rule, self.interner, self.x.scales), SCALED
         formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
         course = None if along is None else self.x.courses.get(along.signal)
