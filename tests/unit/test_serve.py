@@ -128,11 +128,29 @@ def test_a_spec_that_cannot_supervise(tmp_path: Path, capsys: pytest.CaptureFixt
     spec = tmp_path / "own.spec"
     spec.write_text('module own\nsignal ego : state { v: m/s }\nrule slow "Slow"\n  require ego.v <= 3 m/s\n')
     assert main(["serve", str(spec), "--shm", "x"]) == 2
-    assert "error[E477]: no Supervisor can be made of this spec" in capsys.readouterr().err
+    assert (
+        "error[E477]: no Supervisor can be made of this spec: it declares no trajectory `plan`"
+        in capsys.readouterr().err
+    )
     assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--process"]) == 2
     assert "error[E477]" in capsys.readouterr().err
     assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--limit", "budget=1"]) == 2
     assert "error[E481]: limits are compiled in with --process only" in capsys.readouterr().err
+
+
+def test_it_says_why_no_supervisor_can_be_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A plan in km/h looks as if it could be supervised: neither a process nor tm_step came of it, and nothing said why."""
+    spec = tmp_path / "own.spec"
+    spec.write_text(
+        'module own\nsignal plan : trajectory { t: s increasing, v: km/h }\nrule slow "Slow"\n  for all p in plan\n  require p.v <= 3 km/h\n'
+    )
+    why = "`plan.v` is declared in km/h, not in m/s"
+    assert main(["serve", str(spec), "--shm", "x"]) == 2
+    assert f"error[E477]: no Supervisor can be made of this spec: {why}" in capsys.readouterr().err
+    assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--process"]) == 2
+    assert f"so it cannot be a process: {why}" in capsys.readouterr().err
+    assert main(["compile", str(spec), "--out", str(tmp_path / "out")]) == 0
+    assert f"note: without a Supervisor, as {why}: rules alone" in capsys.readouterr().err
 
 
 def test_entries_stand_one_after_the_other() -> None:

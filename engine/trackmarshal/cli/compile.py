@@ -47,13 +47,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.c.contract import can_be_supervised
+    from trackmarshal.backends.c.contract import unfit
     from trackmarshal.backends.c.example import example
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import report
     from trackmarshal.backends.c.source import generate
     from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
+    from trackmarshal.runtime.contract import PLAN
 
     if not plain(args.name) or args.name in _TAKEN:
         raise TrackmarshalError(
@@ -72,11 +73,16 @@ def run(args: argparse.Namespace) -> int:
             "E403", broken[0], help="change the parameters in the spec or the configuration"
         )
     evaluator = Evaluator(spec, args.rule, "reference")
-    source = generate(spec, evaluator.rules, args.name, online=True, doored=can_be_supervised(spec))
-    if given and source.supervised is None:
-        raise TrackmarshalError(
-            "E475", "no Supervisor can be made of this spec, so it takes no cycles", help="leave out --cycles"
-        )
+    why = unfit(spec)
+    source = generate(spec, evaluator.rules, args.name, online=True, doored=not why)
+    if why and given:
+        problem = f"no Supervisor can be made of this spec, so it takes no cycles: {why}"
+        raise TrackmarshalError("E475", problem, help="see E482, or leave out --cycles")
+    if why and args.process:
+        problem = f"no Supervisor can be made of this spec, so it cannot be a process: {why}"
+        raise TrackmarshalError("E477", problem, help="see E482, or leave out --process")
+    if why and PLAN in spec.signals:  # whoever declares one may count on `tm_step`
+        print(f"note: without a Supervisor, as {why}: rules alone, by tm_check (E482)", file=sys.stderr)
     process: dict[str, str] = {}
     capacities = None
     if args.process:
@@ -134,12 +140,6 @@ def _process(
     from trackmarshal.backends.c.process.emit import Emitted
     from trackmarshal.process.copies import link
 
-    if source.supervised is None:
-        raise TrackmarshalError(
-            "E477",
-            "no Supervisor can be made of this spec, so it cannot be a process",
-            help="leave out --process",
-        )
     made = Emitted(source, asdict(limits_of(args, source.plan.spec)))
     return made.files | link(), made.sizes
 

@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.c.contract import can_be_supervised
+    from trackmarshal.backends.c.contract import unfit
     from trackmarshal.backends.c.process.description import text_of
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
     from trackmarshal.process.serving import build
@@ -63,10 +63,9 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E403", broken[0], help="change the parameters in the spec or the configuration"
         )
-    if not can_be_supervised(spec):
-        raise TrackmarshalError(
-            "E477", "no Supervisor can be made of this spec", help="it needs `plan`; see E482"
-        )
+    why = unfit(spec)
+    if why:
+        raise TrackmarshalError("E477", f"no Supervisor can be made of this spec: {why}", help="see E482")
     built = build(spec, Evaluator(spec, args.rule, "reference").rules, limits_of(args, spec))
     if args.describe:
         Path(args.describe).write_text(text_of(built.layout.said), encoding="utf-8")

@@ -60,11 +60,18 @@ class Supervised:
 
 def can_be_supervised(spec: Spec) -> bool:
     """Whether a spec speaks of trajectories that a Supervisor could choose from."""
+    return not unfit(spec)
+
+
+def unfit(spec: Spec) -> str:
+    """Why no Supervisor can be made of a spec; empty where one can."""
+    if PLAN not in spec.signals:
+        return f"it declares no trajectory `{PLAN}`"
     try:
         supervised(spec)
-    except TrackmarshalError:
-        return False
-    return PLAN in spec.signals
+    except TrackmarshalError as error:
+        return error.message
+    return ""
 
 
 def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Supervised]:
