@@ -408,6 +408,9 @@ def test_wrong_declarations_are_refused(
     assert caught.value.file == str(tmp_path / ("track.yaml" if code == "D120" else "scene.yaml"))
 
 
+BLUE = "others:\n  - id: blue\n    start: {s: 700, d: 0, v: 25}\n"
+
+
 @pytest.mark.parametrize(
     ("change", "part"),
     [
@@ -428,6 +431,25 @@ def test_impossible_declarations_are_refused(tmp_path: Path, change: tuple[str, 
     assert part in caught.value.message
     assert caught.value.line is not None
     assert caught.value.help
+
+
+@pytest.mark.parametrize(
+    ("change", "part"),
+    [
+        (("begin: 1, end: 4, to: 1.5", "begin: 0, end: 0.1, to: 1"), "total acceleration"),
+        (("[[0, 0], [1, -2]", "[[0, 0], [0.5, 0], [0.55, -40], [0.6, 0], [1, -2]"), "total acceleration"),
+        (("plan: {", BLUE + "    moves: [{begin: 1, end: 1.1, to: 1}]\nplan: {"), "total acceleration"),
+        (
+            ("plan: {", BLUE + "    acceleration: [[0, 0], [0.5, 0], [0.55, 40], [0.6, 0]]\nplan: {"),
+            "acceleration",
+        ),
+    ],
+)
+def test_what_is_impossible_between_two_cycles_is_refused(
+    tmp_path: Path, change: tuple[str, str], part: str
+) -> None:
+    """A car that stood a metre beside where it was, a tenth of a second before, was generated: in each of the two cycles nothing is asked of it."""
+    test_impossible_declarations_are_refused(tmp_path, change, part)
 
 
 TRACK = "format: trackmarshal-track\nversion: 1\nname: t\nwidth: 10\npieces:\n"

@@ -39,6 +39,8 @@ def run(declared: Declaration, shown: str) -> Recording:
         for t in times:
             for place in (ego.at(t), ego.at(t + declared.horizon)):
                 _check_driven(place, scene)
+        for t in _demanding(declared.ego, end):
+            _check_driven(ego.at(t), scene)
     except TrackmarshalError as error:
         raise _placed(error, declared.ego.item) from error
     others = [_Encounter(declared, driver) for driver in declared.others]
@@ -109,6 +111,18 @@ def _check_driven(place: State, scene: Scene) -> None:
         raise TrackmarshalError("D152", message, help="move aside earlier, or move the obstacle")
 
 
+def _demanding(driver: Driver, end: float) -> list[float]:
+    """Times up to the end at which a declared motion asks for most: the corners of its acceleration, and the eighths of its moves.
+
+    Cycles may miss them: a move that takes as long as from one cycle to the next begins and ends in one, and asks for nothing there.
+    """
+    corners = [time for time, _ in driver.acceleration]
+    inside = [
+        move.begin + (move.end - move.begin) * eighth / 8.0 for move in driver.moves for eighth in range(1, 8)
+    ]
+    return sorted(t for t in (*corners, *inside) if 0.0 <= t <= end)
+
+
 def _motion(declared: Declaration, driver: Driver, end: float) -> Motion:
     """A car's motion; of an oncoming one, on the road the other way."""
     profile, road = Profile(driver.v, driver.acceleration), declared.road
@@ -128,7 +142,8 @@ class _Encounter:
         try:
             motion = _motion(declared, driver, declared.times[-1])
             self.states = [self._along_the_road(motion.at(t)) for t in declared.times]
-            for state in self.states:
+            between = [self._along_the_road(motion.at(t)) for t in _demanding(driver, declared.times[-1])]
+            for state in (*self.states, *between):
                 driver.vehicle.check_state(f"the car `{driver.id}`", state, declared.road)
         except TrackmarshalError as error:
             raise _placed(error, driver.item) from error
