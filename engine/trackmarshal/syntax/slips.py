@@ -82,6 +82,8 @@ def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -
         return "one `|` stands between two rows: leave out the one at the end of the row above; the last row alone ends with one"
     if found == "|" and "MINUS" in expected and "AND" not in expected:
         return "write `abs(...)` for an absolute value"
+    if found == "," and re.search(r"\bremember\b[^\n]*\Z", line) and not open_brackets(before):
+        return "each number is remembered by a `remember` of its own: write another one in the next line"
     if found == "," and "AND" in expected and not open_brackets(before):
         return "join what must hold together with `and`"
     if found == "." and (given := re.search(r"\bgiven\s+(\w+)\Z", before)):
