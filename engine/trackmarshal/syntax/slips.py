@@ -7,6 +7,7 @@ import unicodedata
 
 from trackmarshal.syntax.keywords import CLAUSES, DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
+from trackmarshal.units import UNIT_PATTERN
 
 _CLAUSES = frozenset().union(*CLAUSES.values())
 
@@ -58,6 +59,8 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
     return (
         _misplaced(text, start, found, before, expected)
         or _sign(text, start, found, expected)
+        or _negated(text, start, found, line, expected)
+        or _listed(found, line, before, expected)
         or _habit(text, start, found, before, expected)
         or _word(found, line, expected)
         or _structure(found, before, line, expected)
@@ -97,6 +100,48 @@ def _exponent(text: str, start: int) -> str:
     """What to write for a unit with a digit behind it, as `m/s2`."""
     unit = _POWER.match(text, start)
     return f"an exponent stands behind `^`: `{unit[1]}^{unit[2]}`" if unit else ""
+
+
+def _negated(text: str, start: int, found: str, line: str, expected: set[str]) -> str:
+    """A `not` in the middle, where English has it."""
+    if found != "not":
+        return ""
+    if re.search(r"\bis\s*\Z", line):
+        said = re.search(r"([\w.]+(?:\(\w+\))?)\s+is\s*\Z", line)
+        member = re.match(r"not\s+(\w+)", text[start : start + 80])
+        return f"write `not ({said[1]} is {member[1]})`" if said and member else "write `not (... is ...)`"
+    if re.match(r"not\s+(in|inside|clear_of|meets)\b", text[start : start + 20]) and "COMPARE" in expected:
+        return "`not` stands in front: `not (x in [a, b])`"
+    return ""
+
+
+def _listed(found: str, line: str, before: str, expected: set[str]) -> str:
+    """What is written together elsewhere, and here one by one; brackets of another form."""
+    keyword = before.split(maxsplit=1)[0] if before.split() else ""
+    asked = re.search(r"([\w.]+)\s+in\s*\Z", line)
+    if found == "{" and "_ZONE" in expected and asked:
+        return f"ask for each: `{asked[1]} is a or {asked[1]} is b`; a range of numbers stands in square brackets"
+    if re.search(r"\bin\s*\[[^\[\]]*\]\s*\Z", line) and re.fullmatch(
+        rf"{UNIT_PATTERN}(?:/{UNIT_PATTERN})*", found
+    ):
+        return f"each end of a range has its unit: `in [1 {found}, 2 {found}]`"
+    if found == "]" and re.search(
+        r"\b(?:always|eventually|until|once|historically|since)\s*\[[^\],]*\Z", line
+    ):
+        return "a window has two bounds: `[0 s, 3 s]`"
+    if found == "," and keyword in ("zone", "line") and line.rstrip().endswith(")"):
+        return "points stand side by side, without commas: `(0 m, 0 m) (1 m, 0 m)`"
+    if found == "," and keyword == "param" and not open_brackets(before):
+        return "each parameter has a `param` of its own, in the next line"
+    if found == "(" and keyword == "param" and re.search(r"\bin\s*\Z", line):
+        return "a range stands in square brackets, `in [0, 3]`, and both ends belong to it"
+    if (
+        keyword == "test"
+        and re.search(r"\bexpect\s*\Z", line)
+        and found in ("true", "false", "safe", "unsafe")
+    ):
+        return "a test expects `satisfied`, `violated`, `inactive`, `undefined` or `open`"
+    return ""
 
 
 def _misplaced(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
