@@ -38,6 +38,10 @@ def check_enum(item: ast.Enum, found: list[Diagnostic]) -> None:
 def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:
     """What is said of a word that is no member."""
     known = ", ".join(enumeration.members)
+    if name in ("default", "otherwise"):
+        return UnknownMember(
+            span, enumeration.name.rpartition(".")[2], name, known, "write `else: ...` for all others"
+        )
     hint = close_matches(name, enumeration.members) or f"its members are {known}"
     return UnknownMember(span, enumeration.name.rpartition(".")[2], name, known, hint)
 

@@ -102,10 +102,26 @@ class Scope:
             return None  # its declaration has an error of syntax, which was reported
         has_fields = span.file.text[span.end : span.end + 1] == "."
         known = (self._records() | extra) - set(BUILT_IN) if has_fields else self.names() | extra
+        listed = "" if has_fields else self._listed(name)
+        if listed:  # whatever else has this name in a module that is not used
+            return UnknownName(span, what, name, listed)
         hint = close_matches(name, known)
         if self.incomplete and not hint:
             return None  # the module that could not be loaded may declare it
         return self.unknown(name, span, what, hint or (self._to_bind(name) if has_fields else ""))
+
+    def _listed(self, name: str) -> str:
+        """How to ask for a member of an enumeration, or a state of a machine, that stands by itself; empty where it is none."""
+        items = [*self.own.values(), *(found[0] for found in self.used.values())]
+        for item in (symbol.item for symbol in items):
+            if isinstance(item, ast.Enum) and name in {member.name for member in item.members}:
+                return f"it is a member of `{item.name}`: write `... is {name}` for each that is asked for"
+            if isinstance(item, ast.State) and name in {state.name for state in item.states}:
+                machine = f"{item.name}({item.binder})" if item.binder else item.name
+                return (
+                    f"it is a state of `{item.name}`: write `{machine} is {name}` for each that is asked for"
+                )
+        return ""
 
     def _records(self) -> set[str]:
         """Names that may have fields."""
