@@ -191,12 +191,13 @@ class Recursive(Diagnostic):
     title = "a definition that needs itself"
     text = "`{name}` is defined by itself"
     label = "{cycle}"
-    remedy = "write it out without itself"
+    remedy = "{how}"
     explanation = "Definitions are written out where they are used, so that every evaluation is bounded; recursion has no bound."
 
     span: Span
     name: str
     cycle: str
+    how: str = "write it out without itself"
 
 
 class ClauseProblem(Diagnostic):

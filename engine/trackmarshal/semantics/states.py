@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from trackmarshal import typed
@@ -42,6 +43,10 @@ if TYPE_CHECKING:
 IS = "is"
 #: How long a machine has been in its state.
 TIME_IN = "time_in"
+_WHAT_LED_THERE = (
+    "a guard cannot ask where its own machine is, nor for how long: `from a` says where it comes from, and `historically[0 s, 3 s] (...)` "
+    "or `not once[0 s, 3 s] (...)` of what led there, for how long"
+)
 
 
 # Declarations ---------------------------------------------------------------------------------------------------
@@ -292,7 +297,9 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
         name, args = expr.function, expr.args
         at = Span(span.file, span.start, span.start + len(name))
     else:
-        x.fail(WrongKind(span, "a state", value_spoken(x.value(expr, ctx))))
+        asked = re.fullmatch(r"(.+?)\s+is\s+\w+", span.text, re.DOTALL)  # `time_in(flag is caution)`
+        found = value_spoken(x.value(expr, ctx))
+        x.fail(WrongKind(span, "a state", found, f"write `{asked[1]}` alone" if asked else ""))
     symbol = x.look_up(name, at, "state", set(), ctx)
     item = symbol.item
     if not isinstance(item, ast.State):
@@ -310,7 +317,7 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
     if symbol.qualified in ctx.stack:
         inside = (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
         cycle = " -> ".join(one.rpartition(".")[2] for one in inside)
-        x.fail(Recursive(at, name, cycle))
+        x.fail(Recursive(at, name, cycle, _WHAT_LED_THERE))
     x.expansions += 1
     if x.expansions > MOST_EXPANSIONS:
         x.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
