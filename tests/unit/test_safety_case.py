@@ -44,6 +44,18 @@ def test_every_number_is_in_the_graph(warehouse: Path) -> None:
     assert stray == [], "\n".join(stray)
 
 
+def test_a_report_that_was_not_read_is_not_one_without_tests(warehouse: Path) -> None:
+    assert "There are none that name a requirement." in html(warehouse).html
+    model = warehouse / "requirements" / "v-model.yaml"
+    text = model.read_text("utf-8")
+    stage = yaml.safe_load(text)["stages"][-1]["id"]
+    said = f"  junit: [{{path: out/robot.xml, stage: {stage}, if_there: true}}]\nstages:\n"
+    model.write_text(text.replace("stages:\n", said, 1), "utf-8")
+    page = html(warehouse).html
+    assert "There are none that name a requirement." not in page
+    assert "nothing is known here: " in page
+
+
 def test_a_number_that_is_not_so_is_noticed(warehouse: Path) -> None:
     """The check above can fail: it compares what the page says, not what it was made of."""
     page = html(warehouse)

@@ -24,7 +24,7 @@ def verification(writing: Writing) -> Section:
         writing.named("verification.field", list(driven.field(writing))),
         writing.named("verification.faults", list(injected.faults(writing))),
         writing.named("verification.loop", list(looped.closed_loop(writing))),
-        writing.named("verification.others", [_others(writing)]),
+        writing.named("verification.others", list(_others(writing))),
     ])  # fmt: skip
 
 
@@ -130,18 +130,32 @@ def _truth(writing: Writing, run: RunSummary) -> Line:
     return joined(lines) or writing.line("truth.none")
 
 
-def _others(writing: Writing) -> Block:
-    """Tests of other runners that name a requirement."""
+#: Of reports of other runners that were not read, as they are not there, hold no test, or are none.
+_UNREAD = frozenset({"T330", "T331", "T332", "T333", "T334", "T335", "T290"})
+
+
+def _others(writing: Writing) -> Iterator[Block]:
+    """Tests of other runners that name a requirement. Of a report that was not read, nobody knows whether there are any."""
+    told = {str(f.subject) for f in writing.given.matrix.findings if f.code in _UNREAD}
+    unread = [
+        given(path)
+        for path in dict.fromkeys(str(report.path) for report in writing.given.project.junit)
+        if path in told
+    ]
+    if unread:
+        yield writing.missing("verification.others_unread", reports=joined(unread))
     nodes = writing.of_kind("external test")
     if not nodes:
-        return writing.missing("verification.no_others")
+        if not unread:
+            yield writing.missing("verification.no_others")
+        return
     columns = (
         ("column.test", 5.0),
         ("column.tool", 1.2),
         ("column.requirements", 2.0),
         ("column.outcome", 1.4),
     )
-    return writing.table(columns, (
+    yield writing.table(columns, (
         [
             (Code(node.id),), given(node.attributes.get("tool", "")), writing.refs(n.key for n in writing.beyond(node.key, "confirms")),
             (Status(node.attributes["outcome"]), *((Fixed(": "), Made(node.title)) if node.title else EMPTY)),
