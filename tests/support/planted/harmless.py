@@ -110,6 +110,7 @@ EDITS = [
     Harmless("a byte order mark", remade(R, lambda data: b"\xef\xbb\xbf" + data)),
     Harmless("no line end at the end", remade(R, bytes.rstrip)),
     # titles and reasons
+    Harmless("an interface of others with their like", swap(M, "  - id: TP-RO\n", "  - {id: TP, title: properties of others, rationale: Theirs.}\n  - {id: TP-TP, title: others among themselves, rationale: The shuttle takes no part.}\n  - id: TP-RO\n")),
     Harmless("a reason why two never meet, said at an interface", all_of(agreed(APART), swap(M, "  - {between: TP-LA, reason: They are far apart.}\n", ""), swap(M, "infeasible:\n", "  - {id: TP-LA, title: others and lake, rationale: They are far apart.}\ninfeasible:\n"))),
     Harmless("covered where a part was enough", all_of(agreed(HALF_ENOUGH), swap(V, "{stage: S-1-A, requirements: [S-1], at_least: partial}", "{stage: S-1-A, requirements: [S-1]}"))),
     Harmless("one of two covered where a part was enough", all_of(agreed(swap(V, "  - {stage: S-1-A, requirements: [\"*\"]}\n", "  - {stage: S-1-A, requirements: [S-1, S-2], at_least: partial}\n")), swap(V, "  - {stage: S-1-A, requirements: [S-1, S-2], at_least: partial}\n", "  - {stage: S-1-A, requirements: [S-2], at_least: partial}\n  - {stage: S-1-A, requirements: [\"*\"]}\n"))),

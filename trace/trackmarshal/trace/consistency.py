@@ -148,11 +148,11 @@ def _model(project: Project) -> Iterator[Finding]:
 
 def _pairs(project: Project) -> Iterator[Finding]:
     """Subsystems of which it is said twice whether they meet (T130): as an interface and as a pair without one, for two reasons, or in both orders."""
-    first: dict[frozenset[str], Placed] = {}
+    first: dict[tuple[str, ...], Placed] = {}
     called = [("interface", i.id) for i in project.interfaces]
     interfaces = {str(id_) for _, id_ in called}
     for what, pair in (*called, *(("pair without an interface", i.between) for i in project.infeasible)):
-        before = first.setdefault(frozenset(pair.split("-")), pair)
+        before = first.setdefault(tuple(sorted(pair.split("-"))), pair)
         if before is pair or (
             what == "interface" and before == pair
         ):  # interfaces have ids, which are looked at
