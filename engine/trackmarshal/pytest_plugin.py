@@ -181,10 +181,9 @@ class _Results:
             return
         file, line, _ = report.location
         if report.nodeid not in self._seen:
-            own = report.nodeid.partition("::")[
-                0
-            ]  # what a class sets for tests that it inherits stands there
-            own = "" if own == Path(file).as_posix() else own
+            # What a class sets for tests that it inherits stands in its own file.
+            collected = report.nodeid.partition("::")[0]
+            own = "" if collected == Path(file).as_posix() else collected
             self._seen[report.nodeid] = _Seen(
                 ids, file, (line or 0) + 1, self._held(file), own, self._held(own) if own else ""
             )

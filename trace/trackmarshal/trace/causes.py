@@ -194,9 +194,8 @@ class _Folding:
                     if (
                         root is finding
                         or root in seen
-                        or (
-                            self._key[other][0] == OPEN and step <= UNREAD
-                        )  # nothing was changed since a cell is open
+                        # Nothing was changed since a cell is open.
+                        or (self._key[other][0] == OPEN and step <= UNREAD)
                         or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
                     ):
                         continue
