@@ -230,15 +230,18 @@ def test_a_window_shows_where_the_demand_ends_to_hold() -> None:
         ("p.on", "truth"),
         ("true", "none"),
         ("always[0 s, 1 s] p.a <= 3 m", "memory"),
-        ("count(o in os where o.a > 1 m) <= 3", "geometry"),
+        ("count(o in os where o.a > 1 m) <= 3", "many"),
+        ("max(o.a for o in os else 0 m) <= 3 m", "many"),
+        ("p.a <= case p.kind { one: 1 m, two: 2 m }", "member"),
+        ("p.a <= (if p.on then 1 m else 2 m)", "truth"),
         ("for all o in os: o.a <= 3 m", "many"),
         ("1 m <= most", "none"),
     ],
 )
 def test_what_is_no_demand_on_numbers_says_why(demand: str, reason: str) -> None:
     text = (
-        PLAIN.partition("rule r")[0]
-        + f'signal os : set of object {{ a: m }}\nrule r "x"\n  require {demand}\n'
+        PLAIN.partition("rule r")[0].replace("on: bool", "on: bool, kind: kind")
+        + f'enum kind {{ one, two }}\nsignal os : set of object {{ a: m }}\nrule r "x"\n  require {demand}\n'
     )
     found = made(text)
     assert found == {"rule": "r", "none": reason}

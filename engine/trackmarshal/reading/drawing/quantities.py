@@ -48,11 +48,11 @@ class Quantity:
 
 
 class _Raw(Exception):
-    """A number that cannot be an input by itself; `depth` is that of the text in which it stands: 0 in the rule, 1 in a definition called there."""
+    """A number that cannot be an input by itself, and why; `depth` is that of the text in which it stands: 0 in the rule, 1 in a definition called there."""
 
-    def __init__(self, depth: int) -> None:
+    def __init__(self, depth: int, reason: Reason = "geometry") -> None:
         super().__init__(depth)
-        self.depth = depth
+        self.depth, self.reason = depth, reason
 
 
 def quantities(rule: typed.Rule, spec: Spec, lowering: Lowering) -> list[Quantity]:
@@ -127,8 +127,8 @@ class _Opening:
             self._lenient = True
             try:
                 found = self._inputs(number, 0)
-            except _Raw:
-                raise Undrawable("geometry") from None
+            except _Raw as raw:
+                raise Undrawable(raw.reason) from None
             finally:
                 self._lenient = False
         self.made |= {node: one for node, one in found.items() if node not in self.made}
@@ -163,8 +163,12 @@ class _Opening:
                 if self._lenient:
                     return self._whole(node, (), depth)
                 raise _Raw(depth)
-            case typed.NumberCase() | typed.Folded() | typed.Kept():
-                raise _Raw(depth)
+            case typed.NumberCase():
+                raise _Raw(depth, "member")
+            case typed.Folded():
+                raise _Raw(depth, "many")
+            case typed.Kept():
+                raise _Raw(depth, "memory")
             case _:
                 assert_never(node)
 
@@ -178,8 +182,8 @@ class _Opening:
         """The numbers by which a choice is made."""
         try:
             return tuple(_compared(condition))
-        except Undrawable:
-            raise _Raw(depth) from None
+        except Undrawable as why:
+            raise _Raw(depth, why.reason) from None
 
     def _field(self, node: typed.Field, depth: int) -> dict[ir.Num, Quantity]:
         record = node.record
