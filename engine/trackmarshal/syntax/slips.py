@@ -57,7 +57,8 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
     """What would mend an error at `start`, or the empty string; `before` is the declaration's code up to it."""
     line = before.rpartition("\n")[2]
     return (
-        _misplaced(text, start, found, before, expected)
+        _foreign_letter(found)
+        or _misplaced(text, start, found, before, expected)
         or _sign(text, start, found, expected)
         or _negated(text, start, found, line, expected)
         or _listed(found, line, before, expected)
@@ -230,6 +231,8 @@ def _word(found: str, line: str, expected: set[str]) -> str:
     quantifier = re.search(r"([a-z]+)\s+\w+\s*\Z", line)
     if found in ("in", "∈") and quantifier and quantifier[1] in FOREIGN_WORDS:
         return FOREIGN_WORDS[quantifier[1]]
+    if found in RESERVED and "NAME" in expected and not expected & {"NOT", "MINUS"}:
+        return f"`{found}` is a word of the language and cannot be a name"
     return FOREIGN_WORDS.get(found, "")
 
 
@@ -286,6 +289,13 @@ def open_brackets(code: str) -> list[tuple[str, int]]:
         elif char in ")]}" and stack:
             stack.pop()
     return stack
+
+
+def _foreign_letter(found: str) -> str:
+    """A letter of another alphabet, as in `größe`; Greek ones are words of this language."""
+    if not found[:1].isalpha() or found[0].isascii() or found[0] in _OWN_SIGNS or not _strange(found[0]):
+        return ""
+    return f"names have the letters a to z and A to Z, digits and `_`: {_strange(found[0])}"
 
 
 def _strange(found: str) -> str:
