@@ -153,6 +153,19 @@ def test_it_says_why_no_supervisor_can_be_made(tmp_path: Path, capsys: pytest.Ca
     assert f"note: without a Supervisor, as {why}: rules alone" in capsys.readouterr().err
 
 
+def test_a_context_that_no_machine_has_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is remembered of pairs grows with the square: 186,265 GiB stood in the report, and nowhere else."""
+    text = (
+        "module own\nsignal os : set of object {{ v: m/s }} capacity {capacity} forget 1000 s\n"
+        'rule slow "Slow"\n  for all a in os\n  for all b in os\n  require not once[0 s, {window} s] (a.v > b.v and b.v > 3 m/s)\n'
+    )
+    spec = tmp_path / "own.spec"
+    for capacity, window, told in ((1000, 100000, True), (8, 1, False)):
+        spec.write_text(text.format(capacity=capacity, window=window))
+        assert main(["compile", str(spec), "--out", str(tmp_path / "out")]) == 0
+        assert ("note: the context takes 186,264.8 GiB" in capsys.readouterr().err) == told
+
+
 def test_entries_stand_one_after_the_other() -> None:
     """Each at a multiple of its size, without gaps or overlaps, up to the length; all of them are explained."""
     for message in built().layout.said["messages"]:

@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.contract import unfit
     from trackmarshal.backends.c.example import example
     from trackmarshal.backends.c.names import plain
-    from trackmarshal.backends.c.report import report
+    from trackmarshal.backends.c.report import context_bytes, report
     from trackmarshal.backends.c.source import generate
     from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
@@ -109,13 +109,23 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E474", f"cannot write to {folder}: {error.strerror}", help="choose another folder with --out"
         ) from error
+    size = context_bytes(source)
+    if size is not None and size[0] > _ROOM:
+        print(
+            f"note: the context takes {size[0] / 2**30:,.1f} GiB with the default capacities, and is refused where Python loads it (E473): "
+            "give the sets a smaller `capacity`, or windows over the run less time",
+            file=sys.stderr,
+        )
     if not args.quiet:
+        count = len(source.rules)
         say(
-            f"{len(source.rules)} rules, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
+            f"{count} rule{'' if count == 1 else 's'}, {len(source.source.splitlines())} lines of C in {folder}: {', '.join(texts)}"
         )
     return 0
 
 
+#: As many bytes of a context as a whole Supervisor may have in Python: 1 GiB.
+_ROOM = 2**30
 #: Names of other files that are written.
 _TAKEN = (
     "main",

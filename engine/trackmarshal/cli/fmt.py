@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
             if not args.quiet:
                 say(f"laid out {_shown(path)}")
     if not args.quiet and not changed and not status:
-        print(f"{seen} files, nothing to change", file=sys.stderr)
+        print(f"{seen} file{'' if seen == 1 else 's'}, nothing to change", file=sys.stderr)
     return status
 
 
