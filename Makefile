@@ -84,5 +84,5 @@ $(STAMP): pyproject.toml constraints.txt
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[dev]'
 	$(COMPILE)
-	-$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib  # on all cores, which pip does on one
+	-$(BIN)/python -m compileall -qq -j 0 -x '/(tests?|pip|mypyc?|setuptools)/' $(VENV)/lib  # on all cores, which pip does on one; what runs, or may
 	touch $@

@@ -321,6 +321,13 @@ def test_specs_are_where_the_v_model_says(verb: str) -> None:
     assert "bad.spec" in out + err
 
 
+def test_fmt_calls_files_as_they_are_called_from_here() -> None:
+    """As `check` does: whole paths are long, and another machine's."""
+    assert run_command("init", "car")[0] == 0
+    Path("car/specs/more.spec").write_text("module more\nparam   x : m = 2 m\n", "utf-8")
+    assert run_command("fmt", "--check", "--project", "car")[1] == "would lay out car/specs/more.spec\n"
+
+
 @pytest.mark.parametrize("verb", ["check", "fmt", "test", "trace", "assess"])
 def test_a_v_model_that_names_no_specs_says_why(verb: str) -> None:
     """And not that a folder is missing of which nobody spoke."""

@@ -55,7 +55,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _shown(path: Path) -> str:
-    return str(path)
+    """As it is called from here, where it lies below: the project's own folders are whole paths."""
+    here = Path.cwd()
+    return str(path.relative_to(here) if path.is_relative_to(here) else path)
 
 
 def _replace(path: Path, text: str) -> None:
