@@ -62,3 +62,24 @@ def test_c_says_what_the_reference_does(seed: int) -> None:
             for result in (one, other)
         ]
         assert told[1] == told[0]
+
+
+def test_both_zeros_are_points_of_their_own() -> None:
+    """Beyond a corner, the sign of a zero says on which side a point is: what is kept of the one is not that of the other."""
+    spec = loads(
+        "module a\nsignal points : set of object { x: m, y: m }\nsignal way : polyline\n"
+        'rule beside "to the left"\n  for all p in points\n  require offset(p, way) >= 0 m\n'
+    )
+    way = [[-10.0, 0.0], [0.0, 0.0], [-5.0, 10.0]]
+    for zeros in ((0.0, -0.0), (-0.0, 0.0)):
+        told = []
+        for backend in ("reference", "numpy", "c"):
+            evaluator = Evaluator(spec, backend=backend)
+            read = [
+                evaluator.read({"signals": {"points": [{"x": 5.0, "y": y}], "way": way}})
+                for y in (*zeros, *zeros)
+            ]
+            told.append([result.rules["beside"].margin for result in evaluator.evaluate(read)])
+        assert told[1] == told[0]
+        assert told[2] == told[0]
+        assert set(told[0]) == {5.0, -5.0}
