@@ -18,7 +18,7 @@ from support.embedded import Difference, Ran
 from support.emitted import SCENARIOS, emit, name_of
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal.backends.c.calls import inexact
-from trackmarshal.backends.c.contract import can_be_supervised
+from trackmarshal.backends.c.contract import unfit
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.evaluation import Evaluator, load
 
@@ -42,7 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def source() -> Source:
     spec = load([SUPERVISOR], [NORTHFIELD], REPOSITORY)
-    assert can_be_supervised(spec)
+    assert not unfit(spec)
     return generate(spec, Evaluator(spec, None, "reference").rules, doored=True)
 
 

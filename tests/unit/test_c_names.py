@@ -11,7 +11,7 @@ import pytest
 from support.agreement import compiled, outcomes
 from support.length import amount
 from trackmarshal.backends.c import build
-from trackmarshal.backends.c.contract import can_be_supervised
+from trackmarshal.backends.c.contract import unfit
 from trackmarshal.backends.c.example import example
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.names import distinct, identifier
@@ -42,7 +42,7 @@ FIELDS = [name for name in AWKWARD if name not in RESERVED]
 
 def compile_strictly(spec: Spec, folder: Path, name: str = "made") -> CProgram:
     rules = Evaluator(spec, None, "reference").rules
-    source = generate(spec, rules, name, online=True, doored=can_be_supervised(spec))
+    source = generate(spec, rules, name, online=True, doored=not unfit(spec))
     (folder / f"{name}.h").write_text(source.header, encoding="utf-8")
     (folder / f"{name}.c").write_text(source.source, encoding="utf-8")
     files = {file: text for file, text in example(source).items() if file != "CMakeLists.txt"}
@@ -185,7 +185,7 @@ signal track : corridor { left: polyline, right: polyline }
         text += f'rule r{k} "made up"\n  for all p in plan\n  require distance_to(p, {name}) <= {k} m\n'
     text += 'rule z "made up"\n  for all p in plan\n  require p in zone isnan or p in zone ISNAN\n'
     spec = compiled(text)
-    assert can_be_supervised(spec)
+    assert not unfit(spec)
     program = compile_strictly(spec, tmp_path)
     columns = {"x": [1.0, 6.0], "y": [0.5, 0.5], "heading": [0.0, 0.0], "v": [1.0, 1.0]}
     ego = {"x": 1.0, "y": 0.5, "heading": 0.0, "v": 1.0}

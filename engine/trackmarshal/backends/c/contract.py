@@ -58,11 +58,6 @@ class Supervised:
         return [signal for signal in self.contract.signals if signal.form == LINES]
 
 
-def can_be_supervised(spec: Spec) -> bool:
-    """Whether a spec speaks of trajectories that a Supervisor could choose from."""
-    return not unfit(spec)
-
-
 def unfit(spec: Spec) -> str:
     """Why no Supervisor can be made of a spec; empty where one can."""
     if PLAN not in spec.signals:

@@ -752,8 +752,9 @@ class Writer:
         inner, parts = scope, _conjuncts(guard)
         for place in range(1, len(parts)):
             own = self.usage.only_in([*(part for _, part in parts[place:]), *bodies])
-            long_way = any(node in own and isinstance(node, _LONG_WAY) for node in ir.below(parts[place][1]))
-            if long_way and not any(isinstance(node, _EVERY_CYCLE) for node in own):
+            if any(node in own and _takes_long(node) for node in ir.below(parts[place][1])) and not any(
+                isinstance(node, _EVERY_CYCLE) for node in own
+            ):
                 inner = self._if_may(parts[place - 1][0], inner, own | {whole for whole, _ in parts[place:]})
         own = self.usage.only_in(bodies)
         if any(isinstance(node, _EVERY_CYCLE) for node in own) or not any(
@@ -854,6 +855,10 @@ def _conjuncts(formula: ir.Formula) -> list[tuple[ir.Formula, ir.Formula]]:
     return [(formula, formula)]
 
 
+def _takes_long(node: ir.IR) -> bool:
+    return isinstance(node, _LONG_WAY) or (isinstance(node, ir.Func) and bool(called(node.name)[1]))
+
+
 def _is_true(formula: ir.Formula) -> bool:
     return isinstance(formula, ir.Truth) and formula.value
 
@@ -869,11 +874,8 @@ def _of_arithmetic(made: c.Binary) -> tuple[str, ...]:
             return ()
 
 
-#: What is not computed where it is not needed.
-_WORTH = (ir.Arith, ir.Func, ir.Lookup, ir.GridLookup, ir.Along, ir.OnLane, ir.Fold, ir.Quantify, ir.SweptInside, ir.SweptClear, ir.InArea)  # fmt: skip
-#: What takes so long that it is asked first whether it is needed.
+#: What takes so long that it is asked first whether it is needed; of functions, those of libm.
 _LONG_WAY = (
-    ir.Func,
     ir.Lookup,
     ir.GridLookup,
     ir.Along,
@@ -884,6 +886,8 @@ _LONG_WAY = (
     ir.SweptClear,
     ir.InArea,
 )
+#: What is not computed where it is not needed.
+_WORTH = (ir.Arith, ir.Func, *_LONG_WAY)
 #: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
 _EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.

@@ -113,11 +113,8 @@ class History:
     #: What operators without a bound make of the cycles before the first one here, for the elements that were there until then.
     earlier: Earlier = field(default_factory=dict)
     _values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
-    _possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
-        default_factory=dict
-    )
     #: What machines may be in after a cycle of a life, gone through from its first one on.
-    _gone_to: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
+    _possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
         default_factory=dict
     )
     _known_lives: dict[ir.Axis, list[dict[str, Life | None]]] = field(default_factory=dict)
@@ -221,39 +218,31 @@ class History:
         return Known(compared(node, Range(sure, possible), limit), all(element.final for element in given))
 
     def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
-        """What a machine may be in after cycle k; asked for by each of its states and numbers, it is found out once."""
-        key = machine, k, _sorted(ids)
-        known = self._possible.get(key)
-        if known is None:
-            known = self._possible[key] = self._gone_through(machine, k, ids)
-        return known
-
-    def _gone_through(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
-        """From the first cycle of its life on, cycle by cycle."""
+        """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle, each of which is gone through once."""
+        own = _sorted(ids)
+        if (machine, k, own) in self._possible:
+            return self._possible[machine, k, own]
         if self.without(machine, ids, k):
             return unknown(machine)
         members = self._members(machine, ids, k)[0]
-        key = _sorted(ids)
-        possible = (
-            begun(machine, self.cycles[members[0]].t) if self._sure(machine, ids, k) else unknown(machine)
-        )
+        sure = self._sure(machine, ids, k)
+        possible = begun(machine, self.cycles[members[0]].t) if sure else unknown(machine)
         for before, this in zip((None, *members), members[: members.index(k) + 1]):
-            known = self._gone_to.get((machine, this, key))  # in its one life that far
-            if known is not None:
-                possible = known
-                continue
-            if before is not None and self._between(before, this):
-                gap = self.cycles[this].t - self.cycles[before].t
-                possible = widened(machine, possible, gap)
-            guards = [self._settled(guard, this, ids) for guard in machine.guards]
-            now = self._now(this)
-            possible = self._gone_to[machine, this, key] = stepped(
-                machine,
-                possible,
-                now.t,
-                guards.__getitem__,
-                lambda number, now=now: now.measured(number, _named(number, ids)),  # type: ignore[misc]
-            )
+            known = self._possible.get((machine, this, own))
+            if known is None:
+                if before is not None and self._between(before, this):
+                    gap = self.cycles[this].t - self.cycles[before].t
+                    possible = widened(machine, possible, gap)
+                guards = [self._settled(guard, this, ids) for guard in machine.guards]
+                now = self._now(this)
+                known = self._possible[machine, this, own] = stepped(
+                    machine,
+                    possible,
+                    now.t,
+                    guards.__getitem__,
+                    lambda number, now=now: now.measured(number, _named(number, ids)),  # type: ignore[misc]
+                )
+            possible = known
         return possible
 
     def _recalled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
