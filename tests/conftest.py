@@ -34,6 +34,12 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+def pytest_sessionfinish() -> None:
+    """Five times pytest looks for what was never closed: among what came since the last look, not among all that tests hold to the end."""
+    gc.collect()
+    gc.freeze()
+
+
 #: Those that hold generated C as it ships against the other evaluators: the shipped rules on cases and recordings, Supervisors on runs and
 #: faults, and the numeric kernel.
 AS_SHIPPED = (

@@ -16,7 +16,7 @@ pytestmark = [
     pytest.mark.skipif(compiler() is None, reason="no C compiler"),
 ]
 
-RUNS = amount(60, 1500)
+RUNS = amount(40, 1500)
 RULES = [rule for rule in shipped().rules if rule.kind == "rule"]
 
 
@@ -33,11 +33,13 @@ def test_nothing_is_hit_whatever_is_proposed() -> None:
     assert seen["driven"] > RUNS / 2
 
 
+@pytest.mark.acceptance
 def test_without_the_rules_about_others_somebody_is() -> None:
     kept = [r.name for r in RULES if r.module != "supervisor.collision" or r.name == "static_collision"]
     assert sum(one.wrong.startswith("in contact") for one in outcomes(kept, 42)) >= 3
 
 
+@pytest.mark.acceptance
 def test_without_the_rule_about_the_road_it_is_left() -> None:
     kept = [rule.name for rule in RULES if rule.name != "static_collision"]
     assert sum(one.wrong == "off the road" for one in outcomes(kept, 42)) >= 2

@@ -54,7 +54,7 @@ LISTED = {"stored": STORED, "measured": {**STORED, **MEASURED}}
 
 PAIRS = [(scene, place) for scene in range(19) for place in range(4)]
 #: The share of every day, by place of the scene and of its run: one of each kind, and one in which something is listed.
-DAILY = {(0, 3), (5, 0), (9, 1), (12, 1), (18, 0)}
+DAILY = {(5, 0), (9, 1), (18, 0)}
 SHARE = [
     pytest.param(*pair, marks=[] if pair in DAILY else [pytest.mark.acceptance], id=f"{pair[0]}-{pair[1]}")
     for pair in PAIRS

@@ -47,7 +47,7 @@ def formulas() -> list[str]:
     )
 
 
-@pytest.mark.parametrize("formula", shared_out(formulas(), 2))
+@pytest.mark.parametrize("formula", shared_out(formulas(), 4))
 def test_all_say_the_same_of_every_cycle(formula: str) -> None:
     chosen = random.Random(formula)
     text = f'module m\nsignal s : state {{ x: 1, z: 1 }}\nrule f "x"\n  require {formula}\n'

@@ -89,6 +89,7 @@ def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | 
     assert {"missing", "duplicate"} & found[1]
 
 
+@pytest.mark.acceptance
 def test_the_example_and_the_client_in_c(tmp_path: Path) -> None:
     """Both say of a record of a run what Python decided, and compile without a warning."""
     spec, now, expected = remembering(tmp_path, pairs=True), 0.0, list[str]()

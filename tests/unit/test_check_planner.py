@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support.length import shared_out
 from support.shared import shared
 from support.supervised import ROOT
 from trackmarshal.cli.main import main
@@ -278,7 +279,7 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], None], str]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", BROKEN)
+@pytest.mark.parametrize("name", shared_out(BROKEN, 2))
 def test_what_does_not_fit_is_said(spec: Spec, name: str) -> None:
     change, words = BROKEN[name]
     report = tm.check_planner(broken(change), spec, header=recorded()[1])

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from support.length import at_length
+from support.length import at_length, shared_out
 from support.shared import REPOSITORY
 from trackmarshal.evaluation import Evaluator, load
 
@@ -139,7 +139,9 @@ def behind(way: Way, gap: float, gains: float = 0.1) -> Way:
 
 
 @pytest.mark.parametrize("v", [at_length(10.0), 30.0, at_length(80.0)])
-@pytest.mark.parametrize(("far", "half"), [(1.5, 0.9), (1.5, 2.0), (1.5, 8.0), (-3.0, 1.5), (6.0, 10.0)])
+@pytest.mark.parametrize(
+    ("far", "half"), shared_out([(1.5, 0.9), (1.5, 2.0), (1.5, 8.0), (-3.0, 1.5), (6.0, 10.0)], 2)
+)
 def test_who_weaves_on_a_straight_is_found_in_the_second_swing(v: float, far: float, half: float) -> None:
     ego = weaving(v, far, half, 2)
     verdicts = [row["one_move"] for row in said(STRAIGHT, ego, behind(ego, 20.0), 1.5 + 2 * half) if row]
@@ -207,7 +209,7 @@ def follows(t: float) -> tuple[float, float]:
     return 10.0 + 25.0 * t, 2.0
 
 
-@pytest.mark.parametrize("lost", [[], [30], [19, 20, 21], [5, 20, 35, 60]])
+@pytest.mark.parametrize("lost", [[], at_length([30]), at_length([19, 20, 21]), [5, 20, 35, 60]])
 def test_lost_cycles_change_no_place(lost: list[int]) -> None:
     """Who is behind all along stays so, and whoever was passed, in a lost cycle too, is to be given the place back 5 s later."""
     rows = said(STRAIGHT, passing, follows, 9.0, yellow=True, lost=lost)
@@ -238,7 +240,7 @@ def forgetting(tmp_path_factory: pytest.TempPathFactory) -> Evaluator:
     return evaluator(specs)
 
 
-@pytest.mark.parametrize("unseen", [[20], [18, 19, 20, 21, 22], [5, 20, 40, 41]])
+@pytest.mark.parametrize("unseen", [at_length([20]), [18, 19, 20, 21, 22], at_length([5, 20, 40, 41])])
 def test_who_is_not_seen_for_a_moment_is_who_it_was(unseen: list[int], forgetting: Evaluator) -> None:
     rows = said(STRAIGHT, passing, passed, 9.0, yellow=True, unseen=unseen, by=forgetting)
     for k, row in enumerate(rows):

@@ -11,6 +11,7 @@ import pytest
 
 sympy = pytest.importorskip("sympy")
 
+from support.length import at_length  # noqa: E402
 from support.reading import rule_of  # noqa: E402
 from trackmarshal.evaluation import Evaluator, load  # noqa: E402
 from trackmarshal.ir.spec import RuleInfo, Spec  # noqa: E402
@@ -48,9 +49,9 @@ def said(name: str, number: str) -> list[str]:
     ("rule", "number", "wanted"),
     [
         ("speed_limit", "v", ["v_p ≤ min(v_event, v_max)"]),
-        ("no_reversing", "v", ["v_p ≥ 0"]),
-        ("turn_radius", "kappa", ["|κ_p| ≤ 1/R_min"]),
-        ("braking_limit", "a", ["a_p ≥ −b_max"]),
+        at_length("no_reversing", "v", ["v_p ≥ 0"]),
+        at_length("turn_radius", "kappa", ["|κ_p| ≤ 1/R_min"]),
+        at_length("braking_limit", "a", ["a_p ≥ −b_max"]),
         ("drive_acceleration", "a", ["a_p ≤ ax_max(v_p) · drive_factor − (drag · v_p²)/mass", "a_p ≤ ax_max(v_p) · drive_factor | where drag = 0"]),
         ("A-PERCEPTION", "oldest_object", ["oldest_object ≥ age_o"]),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 
 #: After how many more objects than were freed the youngest are looked at, and after how many such looks the older ones are.
 _SELDOM = (2_000_000, 20, 50)
@@ -19,8 +20,14 @@ def seldom() -> Iterator[None]:
     try:
         yield
     finally:
-        if not gc.get_freeze_count():  # what others set aside stays there
+        if not _set_aside():
             # All that there is counts as old from here on: it is not gone through only because the usual thresholds are passed by far.
             gc.freeze()
             gc.unfreeze()
         gc.set_threshold(*before)
+
+
+@cache
+def _set_aside() -> bool:
+    """Whether others set objects aside, which stay there. Asked once: the answer counts all of them."""
+    return gc.get_freeze_count() > 0
