@@ -13,7 +13,7 @@ sympy = pytest.importorskip("sympy")
 
 from support.length import at_length  # noqa: E402
 from support.reading import rule_of  # noqa: E402
-from trackmarshal.evaluation import Evaluator, load  # noqa: E402
+from trackmarshal.evaluation import Evaluator, load, loads  # noqa: E402
 from trackmarshal.ir.spec import RuleInfo, Spec  # noqa: E402
 from trackmarshal.reading.solving import claims, solve  # noqa: E402
 from trackmarshal.reading.solving.algebra import Place, Unsolvable  # noqa: E402
@@ -110,6 +110,36 @@ def test_a_claim_on_part_of_the_inputs_says_which(tmp_path: Path) -> None:
     assert "wherever both sides are real numbers" in made.said
     (demand,) = made.formulas
     assert text(demand).count("v_p") == 1
+
+
+@pytest.mark.parametrize(
+    ("condition", "wanted"),
+    [
+        ("p.v <= floor(p.v0) * top", "v_p ≤ top · ⌊v0_p⌋"), ("p.v <= exp(-p.v0) * top", "v_p ≤ top/exp(v0_p)"),
+        ("p.v <= exp(1) * top", "v_p ≤ exp(1) · top"), ("p.v <= log(p.v0) * top", "v_p ≤ top · log(v0_p)"),
+        ("p.v <= tanh(p.v0) * top", "v_p ≤ top · tanh(v0_p)"), ("p.v <= (acos(p.v0) + asin(p.v0)) * top", "v_p ≤ top · (acos(v0_p) + asin(v0_p))"),
+        ("p.v <= sqrt(p.v0)^3 * top", "v_p ≤ v0_p^(3/2) · top"),
+    ],
+)  # fmt: skip
+def test_functions_beside_the_number_are_written_as_in_formulas(condition: str, wanted: str) -> None:
+    spec = loads(f"""module m
+signal plan : trajectory {{ t: s increasing, v: m/s in [-100, 100], v0: 1 in [-1, 1] }}
+param top : m/s = 20 m/s in [1, 50]
+rule r "r"
+  for all p in plan
+  require {condition}
+""")
+    (made,) = solve(spec.rules[0], spec, (), "v", ENGLISH)
+    assert [text(one) for one in made.formulas] == [wanted]
+
+
+def test_what_sympy_writes_as_cases_is_not_claimed() -> None:
+    spec = loads(
+        'module m\nsignal ego : state { v: 1 }\nparam g : 1 = 2\nrule r "r" require 2 * ego.v + 2 >= sign(g)\n'
+    )
+    (made,) = solve(spec.rules[0], spec, (), "v", ENGLISH)
+    assert made.formulas == ()
+    assert made.said.startswith("For ego.v: not solved, because of ")
 
 
 @pytest.mark.parametrize(

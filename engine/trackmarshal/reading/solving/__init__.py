@@ -84,14 +84,14 @@ def _solved(
     shown = f"{target.record}.{target.name}" if target.record else spec.params[target.name].short
     try:
         solver = Solver(rule, spec, target)
-        claims = list(solver.claims())
-        if not claims:
+        claimed = [tuple(solver.printed(claim)) for claim in solver.claims()]
+        if not claimed:
             raise Unsolvable("unproved")
     except Unsolvable as why:
         yield from _found(rule, spec, tests, target, shown, why.reason, words)
         return
-    for claim in claims:
-        yield Limit(words.solved.format(a=shown, n=f"{CHECKED:,}"), tuple(solver.printed(claim)))
+    for formulas in claimed:
+        yield Limit(words.solved.format(a=shown, n=f"{CHECKED:,}"), formulas)
 
 
 def _found(

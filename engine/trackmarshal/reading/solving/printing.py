@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 from trackmarshal.reading import layout as at
 from trackmarshal.reading.formulas import PRODUCT, RAISED, SIGNED, SUM, WHOLE
 from trackmarshal.reading.layout import Layout
+from trackmarshal.reading.solving.algebra import Unsolvable
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
 
 def printed(made: Expr, shown: Mapping[Symbol, Layout]) -> Layout:
-    """An expression; shown: its symbols. Raises AssertionError for a function that no solution here has."""
+    """An expression; shown: its symbols. Raises Unsolvable for what sympy wrote that no rule could say, such as a choice between cases."""
     return _Printing(shown).at(made, 0)
 
 
@@ -35,6 +36,10 @@ class _Printing:
             return self._number(made)
         if isinstance(made, sympy.Abs):
             return at.Fence("|", self.at(made.args[0], 0)), WHOLE
+        if isinstance(made, sympy.floor):
+            return at.Fence("⌊", self.at(made.args[0], 0)), WHOLE
+        if made is sympy.E:
+            return at.Call(at.Word("exp"), (at.Digits("1"),)), WHOLE
         if isinstance(made, sympy.Add):
             return self._sum(made)
         numerator, denominator = sympy.fraction(made)
@@ -55,11 +60,17 @@ class _Printing:
             (sympy.sin, "sin"),
             (sympy.cos, "cos"),
             (sympy.tan, "tan"),
+            (sympy.asin, "asin"),
+            (sympy.acos, "acos"),
             (sympy.atan2, "atan2"),
+            (sympy.tanh, "tanh"),
+            (sympy.exp, "exp"),
+            (sympy.log, "log"),
+            (sympy.sign, "sign"),
         ):
             if isinstance(made, kind):
                 return at.Call(at.Word(name), tuple(self.at(one, 0) for one in made.args)), WHOLE
-        raise AssertionError(f"{type(made).__name__} is printed nowhere")
+        raise Unsolvable("function")
 
     def _number(self, made: Expr) -> tuple[Layout, int]:
         import sympy
@@ -104,6 +115,7 @@ class _Printing:
             return at.Root(self.at(made.base, 0)), WHOLE
         if made.exp.is_Integer:
             return at.Power(self.at(made.base, WHOLE), at.Digits(str(made.exp))), RAISED
-        if made.exp == sympy.Rational(1, 4):
-            return at.Power(self.at(made.base, WHOLE), at.Fraction(at.Digits("1"), at.Digits("4"))), RAISED
-        raise AssertionError(f"the exponent {made.exp} is printed nowhere")
+        if made.exp.is_Rational:  # of a root of a root, or of a power of one
+            exponent = at.Fraction(at.Digits(str(made.exp.p)), at.Digits(str(made.exp.q)))
+            return at.Power(self.at(made.base, WHOLE), exponent), RAISED
+        raise Unsolvable("exponent")
