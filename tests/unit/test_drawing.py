@@ -248,6 +248,29 @@ def test_what_is_no_demand_on_numbers_says_why(demand: str, reason: str) -> None
     assert english()[f"drawing.none.{reason}"]
 
 
+@pytest.mark.parametrize(
+    "clause", ["for all o in os", "exists o in os", "along plan as o", "for all o in os for all q in os"]
+)
+def test_a_clause_whose_variable_nothing_asks(clause: str) -> None:
+    """There is one place all the same: of a rule that holds for as long as there is anything."""
+    found = made(f"""
+module m
+signal p : state {{ a: m in [0, 100], b: m in [0, 100] }}
+signal os : set of object {{ a: m }}
+signal plan : trajectory {{ t: s increasing, v: m/s }}
+rule r "a sum"
+  {clause}
+  require p.a + p.b <= 50 m
+test r "near"
+  given p = {{ a: 10 m, b: 10 m }}
+  given os = [{{ a: 1 m }}, {{ a: 2 m }}]
+  given plan = {{ t: [0 s, 1 s], v: [1 m/s, 1 m/s] }}
+  expect satisfied
+""")
+    assert {one["label"] for one in found["axes"]} == {"p.a", "p.b"}
+    assert [one["title"] for one in found["tests"]] == ["near"]
+
+
 def test_recorded_values_of_a_choice_are_those_of_the_case() -> None:
     """A number is another node wherever a condition stands in it: all its places are one input."""
     text = PLAIN.replace(

@@ -69,7 +69,9 @@ class Places:
                     level.clause.range, self._ranges[place], level.by, level.clause.span
                 )
         leaves = [*self._numbers, demand.body, *(one for one in self._ranges if one is not None)]
-        self._program = NumpyProgram(demand.spec, [], leaves)
+        # A clause of which nothing is asked has an axis, too.
+        rank = max([1, *(level.axis.level + 2 for level in demand.levels if level.axis is not None)])
+        self._program = NumpyProgram(demand.spec, [], leaves, rank)
 
     def of(self, frames: Sequence[Frame]) -> Points:
         """The places of frames as one candidate or case sees them."""
