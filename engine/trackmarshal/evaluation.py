@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError, wrong_type
-from trackmarshal.ir.margins import MIXED
+from trackmarshal.ir.margins import undecided
 from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
 from trackmarshal.ir.straight import Fields, curvatures, straightened
 from trackmarshal.runtime import saving
@@ -354,13 +354,12 @@ class Evaluator:
     @cached_property
     def _in_brief(self) -> dict[str, tuple[int, RuleResult]]:
         """By name each rule's number, and what it says where it does not apply, in the unit of its margin where nobody looks for what decided."""
-        units = ("1" if rule.unit == MIXED else rule.unit for rule in self.rules)
         return {
             rule.name: (
                 place,
-                RuleResult(rule.name, "inactive", math.inf, unit, advisory=rule.advisory),
+                RuleResult(rule.name, "inactive", math.inf, undecided(rule.unit), advisory=rule.advisory),
             )
-            for place, (rule, unit) in enumerate(zip(self.rules, units))
+            for place, rule in enumerate(self.rules)
         }
 
     @property

@@ -163,3 +163,23 @@ def test_a_scale_beside_a_count_changes_no_number() -> None:
     case = {"ego": {"v": 13.0}, "plan": {"t": [0.0, 1.0], "v": [1.0, 1.0]}, "braking": True}
     said = scaled.over_run().step(scaled.read({"t": 0.0, "signals": case})).rules["over_run"]
     assert said.margin == 50 * 5 / 18 - 13.0
+
+
+@pytest.mark.parametrize("scale", ["", "scale m = 10 m\n"])
+@pytest.mark.parametrize("backend", ["numpy", "reference", "c"])
+def test_where_nothing_decided_the_margin_has_no_unit(scale: str, backend: str) -> None:
+    """`mixed` and `scaled` are words of the inside; what is not there, or does not apply, is in no unit, in every evaluator alike."""
+    if backend == "c" and build.compiler() is None:
+        pytest.skip("no C compiler")
+    spec = loads(
+        f"{HEAD}{scale}event on\n"
+        'rule now "n"\n  whenever on\n  require ego.v <= 5 m/s and ego.gap >= 20 m\n'
+        'rule past "t"\n  whenever on\n  require previous (ego.v <= 5 m/s and ego.gap >= 20 m)\n'
+        'rule near "o"\n  whenever on\n  require ego.gap <= 20 m\n'
+    )
+    run, units = Evaluator(spec, ["now", "past", "near"], backend).over_run(), list[list[str]]()
+    for t, ego in enumerate([{"v": 1.0}, {"v": 1.0, "gap": 3.0}]):
+        result = run.step(Evaluator(spec).read({"t": t, "signals": {"ego": ego, "on": False}}))
+        assert {one.verdict for one in result.rules.values()} == {"inactive" if "gap" in ego else "undefined"}
+        units.append([one.unit for one in result.rules.values()])
+    assert units == [["1", "1", "m"]] * 2

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 from trackmarshal.backends.undefined import of_reads, why
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import MIXED, SCALED
+from trackmarshal.ir.margins import MIXED, undecided
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated, advisory
@@ -151,20 +151,25 @@ def rule_result(
     blocked = frame.unusable(rule.reads)
     if blocked is not None:
         return RuleResult(
-            rule.name, "undefined", math.nan, rule.unit, None, str(blocked), _no_series(rule, frame, series),
+            rule.name, "undefined", math.nan, undecided(rule.unit), None, str(blocked), _no_series(rule, frame, series),
             advisory=rule.advisory,
         )  # fmt: skip
     verdict, margin = said
     along = _series(rule, values, series)
     if verdict == "inactive":
         return RuleResult(
-            rule.name, verdict, margin, rule.unit, None, "nothing in its range", along, advisory=rule.advisory
+            rule.name,
+            verdict,
+            margin,
+            undecided(rule.unit),
+            None,
+            "nothing in its range",
+            along,
+            advisory=rule.advisory,
         )
     descent = Descent(values)
     witness = descent.find(formula)
-    unit = "1" if rule.unit == SCALED else rule.unit
-    if unit == MIXED:
-        unit = witness.unit if witness is not None else "1"
+    unit = witness.unit if rule.unit == MIXED and witness is not None else undecided(rule.unit)
     reason = _why(rule, frame, values, descent) if verdict == "undefined" else ""
     shown = shown_unit(witness, unit)
     return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown, advisory=rule.advisory)

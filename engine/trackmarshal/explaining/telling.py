@@ -10,7 +10,7 @@ from trackmarshal.explaining.numbers import Env, kept_units, numbers
 from trackmarshal.explaining.scope import Alone, Cycle, InRun, why_inactive
 from trackmarshal.explaining.trail import Trail, at
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import own_unit
+from trackmarshal.ir.margins import undecided
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.lowering.rules import levels_of
 from trackmarshal.runtime.verdict import About, RuleResult, Witness, decides
@@ -87,8 +87,7 @@ def _verdict(rule: RuleInfo, result: RuleResult) -> Iterator[str]:
 def _said(about: About, rule: RuleInfo) -> str:
     if about.verdict in ("open", "inactive"):
         return about.verdict
-    unit = rule.unit if own_unit(rule.unit) else "1"
-    return f"{about.verdict}, margin {beside(about.margin, unit, '', 9)}{'' if about.final else ', which may still change'}"
+    return f"{about.verdict}, margin {beside(about.margin, undecided(rule.unit), '', 9)}{'' if about.final else ', which may still change'}"
 
 
 def _inactive(rule: RuleInfo, cycle: Cycle) -> list[str]:

@@ -15,6 +15,11 @@ def own_unit(unit: str) -> bool:
     return unit not in (MIXED, SCALED)
 
 
+def undecided(unit: str) -> str:
+    """The unit of a rule's margin where nothing says which comparison decided: of several dimensions, a plain number."""
+    return unit if own_unit(unit) else "1"
+
+
 def margin_unit(formula: ir.Formula | None) -> str:
     """The unit of all of a formula's comparisons; "mixed" where they differ, "1" where there are none."""
     units = set() if formula is None else margin_units(formula)

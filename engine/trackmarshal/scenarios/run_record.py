@@ -14,7 +14,7 @@ from typing import Any
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit
+from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit, undecided
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult, Said
 from trackmarshal.scenarios.in_force import in_force
@@ -202,7 +202,7 @@ def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[s
             if decisive is not None and said.verdict in DECIDED and decisive <= shown:
                 continue  # whatever decided it
             if said.verdict == "inactive" and not remembering and name in cycle.explain:
-                units.add(rule.unit)  # nothing decided it
+                units.add(undecided(rule.unit))
                 continue
             result = cycle.whole(name, number, rule.name)
             units.add(result.unit)

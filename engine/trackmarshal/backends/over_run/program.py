@@ -14,7 +14,7 @@ from trackmarshal.backends.over_run.lives import Without, no_place
 from trackmarshal.backends.over_run.now import Now, differing, happening
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.results import Outcomes, Stateless, identity
-from trackmarshal.ir.margins import own_unit
+from trackmarshal.ir.margins import undecided
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -321,11 +321,12 @@ def explained(
 ) -> RuleResult:
     """The result of a rule over the run, given what it says of a frame, and about which cycles; `without`: the elements that found no place."""
     blocked = frame.unusable(rule.reads)
-    unit = rule.unit if blocked is not None or own_unit(rule.unit) else "1"
     if blocked is not None:
         verdict, margin, reason = "undefined", math.nan, str(blocked)
     else:
         reason = "nothing in its range" if verdict == "inactive" else ""
         if verdict == "undefined":
             reason = no_place(rule, without)
-    return RuleResult(rule.name, verdict, margin, unit, None, reason, None, "", about, rule.advisory)
+    return RuleResult(
+        rule.name, verdict, margin, undecided(rule.unit), None, reason, None, "", about, rule.advisory
+    )

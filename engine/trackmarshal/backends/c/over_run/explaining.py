@@ -11,7 +11,7 @@ from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.over_run.lives import Without, no_place
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.results import rule_result
-from trackmarshal.ir.margins import own_unit
+from trackmarshal.ir.margins import undecided
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
@@ -50,9 +50,8 @@ class Explaining:
         reason = "nothing in its range" if said[0] == "inactive" else "" if blocked is None else str(blocked)
         if said[0] == "undefined" and blocked is None:
             reason = no_place(rule, without)
-        unit = rule.unit if own_unit(rule.unit) else "1"
         own = about.get(number) if blocked is None else None
         told = own or (About(frame.number, *said, said[0] != "open"),)
         if rule.course is not None:  # it is about this cycle alone
             told = ()
-        return RuleResult(rule.name, *said, unit, None, reason, None, "", told, rule.advisory)
+        return RuleResult(rule.name, *said, undecided(rule.unit), None, reason, None, "", told, rule.advisory)
