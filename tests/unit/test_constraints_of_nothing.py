@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from trackmarshal.cli.check import unconstrained
 from trackmarshal.evaluation import broken_constraints
 from trackmarshal.semantics.compile import compile_text
 
@@ -21,3 +22,26 @@ def test_a_constraint_that_names_what_has_an_error(wrong: str) -> None:
     assert made.errors
     (broken,) = broken_constraints(made.spec)  # the other one is about what is there
     assert "least >= 2 m/s^2" in broken
+
+
+def of_a_table(rows: str) -> list[str]:
+    made = compile_text(f"""module m
+table g(x: m, y: m) -> m = linear | y: 0 m, 1 m | {rows} |
+constrain g(0.5 m, 0.5 m) > 3 m
+""")
+    return [f"{one.code} {one.message}" for one in (*made.errors, *unconstrained(made))]
+
+
+def test_a_constraint_that_asks_a_table_of_two_arguments() -> None:
+    wrong = of_a_table("0 m: 1 m, 2 s | 1 m: 1 m, 2 m")
+    assert len(wrong) == 1
+    assert wrong[0].startswith("E302")
+    assert of_a_table("0 m: 1 m, 2 m | 1 m: 1 m, 2 m") == [
+        "E307 this constraint does not hold: a table breaks it"
+    ]
+
+
+def test_a_constraint_of_numbers_alone() -> None:
+    made = compile_text('module m\nconstrain 1/0 > 3 because "it is a mistake"\n')
+    (broken,) = unconstrained(made)
+    assert broken.message == "this constraint does not hold: its own numbers break it"

@@ -102,18 +102,18 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
     values = Reference(spec, Frame())
     found: list[Diagnostic] = []
     for constraint in spec.constraints:
+        if not spec.declares(constraint.formula):
+            continue
         nodes = list(ir.below(constraint.formula))
         params = dict.fromkeys(node.name for node in nodes if isinstance(node, ir.Param))
-        tables = {node.table for node in nodes if isinstance(node, ir.Lookup)}
-        if not (spec.params.keys() >= params.keys() and spec.tables.keys() >= tables):
-            continue
+        tables = any(isinstance(node, ir.Lookup | ir.GridLookup) for node in nodes)
         if values.truth(constraint.formula, {}).verdict != "satisfied":
             infos = [spec.params[name] for name in params]
             shown = ", ".join(f"{i.name.rpartition('.')[2]} = {in_full(i.value, i.unit)}" for i in infos)
             found.append(
                 Unconstrained(
                     constraint.span.head,
-                    shown or "a table breaks it",
+                    shown or ("a table breaks it" if tables else "its own numbers break it"),
                     constraint.because or "change a value, or the constraint",
                 )
             )
