@@ -60,14 +60,23 @@ def hint(value: typed.AnyMember, asked_for: str = "", op: str = "==") -> str:
 
 def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
     """`race.flag is yellow`, `a.lane is b.lane`; or `role(o) is offence`, of a state."""
-    left = expr.left
-    if isinstance(left, ast.Call) or (isinstance(left, ast.Name) and left.name not in ctx.local):
+    left, truth = expr.left, isinstance(expr.right, ast.Boolean)
+    named = isinstance(left, ast.Call) or (isinstance(left, ast.Name) and left.name not in ctx.local)
+    if named and (not truth or states.names_machine(left, ctx)):
         return states.in_state(expr, x, ctx)
     value = x.value(left, ctx)
     if not isinstance(value, typed.MemberNode):
-        wanted = "a state, or a field of an enumeration"
-        x.fail(WrongKind(left.__dict__["span"], wanted, spoken(value)))
+        wanted, span = "a state, or a field of an enumeration", left.__dict__["span"]
+        x.fail(WrongKind(span, wanted, spoken(value), _without_truth(value, expr.right)))
     return typed.IsMember(value, _other(expr.right, value.enumeration, x, ctx), expr.span)
+
+
+def _without_truth(left: typed.Value, right: ast.Expr) -> str:
+    """What to write for `braking is true`, or false."""
+    if not isinstance(right, ast.Boolean) or not isinstance(left, typed.FormulaNode):
+        return ""
+    written = " ".join(left.span.text.split())
+    return f"write `{written}`" if right.value else f"write `not ({written})`"
 
 
 def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Context) -> typed.AnyMember:

@@ -388,7 +388,9 @@ class Expressions:
             if signal.field(expr.name) is not None:
                 hint = f"bind a variable first: `for all x in {signal.name}`"
             self.fail(UnknownField(span, value_spoken(value), expr.name, shown or "nothing to read", hint))
-        self.fail(WrongKind(_span(expr.value), "a record", value_spoken(value)))
+        digits = _span(expr.value).text
+        hint = f"a number with a point has digits after it: `{digits}.0`" if digits.isdigit() else ""
+        self.fail(WrongKind(_span(expr.value), "a record", value_spoken(value), hint))
 
     def _parameter(
         self, record: typed.Symbol, name: str, dimension: Dimension, span: Span

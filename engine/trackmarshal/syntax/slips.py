@@ -84,6 +84,14 @@ def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -
         return "no `:` ends a clause: `require` follows in the next line; `for all p in plan: (...)` is for formulas"
     if found == "|" and keyword == "table" and before.rstrip().endswith("|"):
         return "one `|` stands between two rows: leave out the one at the end of the row above; the last row alone ends with one"
+    if alone := re.search(
+        r"\b(rising|falling|count)[ \t]+\w+\s*\Z", before
+    ):  # read as what `rising` does to something
+        return f"what `{alone[1]}` is about stands in parentheses: `{alone[1]}(...)`"
+    if found == "+" and "MINUS" in expected:
+        return "a number has no plus sign: leave it out"
+    if found == "%" and "TIMES" in expected:
+        return FOREIGN_WORDS["mod"]
     if found == "|" and "MINUS" in expected and "AND" not in expected:
         return "write `abs(...)` for an absolute value"
     if found == "," and re.search(r"\bremember\b[^\n]*\Z", line) and not open_brackets(before):
@@ -185,6 +193,10 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         "->",
     ):
         if expected & {"AND", "OR"} and "COMPARE" not in expected:
+            if re.search(
+                r"\bmod\b", text[_line_start(text, start) : start]
+            ):  # read as a predicate between two things
+                return FOREIGN_WORDS["mod"]
             holds = _HOLDS.search(text[_line_start(text, start) : start])
             if holds:
                 return f"`{holds[1]}` holds or does not; to keep a distance, make the footprint larger: `footprint(p, length + 1 m, width + 1 m)`"
