@@ -13,6 +13,7 @@ import pytest
 import shapely
 
 from support.dense.sweep import corners
+from support.length import at_length
 from support.supervised import shipped
 from trackmarshal.evaluation import Evaluator
 
@@ -77,6 +78,22 @@ def fired(traffic: list[Traffic], rules: set[str] = OTHERS) -> list[set[str]]:
     judge = Evaluator(shipped(), sorted(rules), "numpy")
     results = judge.evaluate(judge.read_all([each.case() for each in traffic]))
     return [{name for name, rule in result.rules.items() if rule.unsafe} for result in results]
+
+
+@pytest.mark.parametrize("count", [300, at_length(3000)])
+def test_a_corner_that_comes_round_meets_nobody(count: int) -> None:
+    """Slowly, where a body turns the most; everything is seen at once."""
+    rng = np.random.default_rng(count)
+    traffic = []
+    for _ in range(count):
+        v, side = rng.uniform(4.0, 20.0), rng.choice([-1.0, 1.0])
+        y = side * ((WIDTH + OTHER_WIDTH) / 2 + rng.uniform(0.2, 0.8))
+        x = rng.uniform(0.05 - LENGTH, LENGTH - 0.05)
+        turns = side * rng.uniform(0.2, 1.0) * min(12.0, v**2 / 11.0)
+        traffic.append(Traffic(v, turns, x, y, v * rng.uniform(0.6, 1.6), 0.0, 0.0))
+    met = [each for each in traffic if each.meet()]
+    assert len(met) > count / 6
+    assert not [each for each, rules in zip(met, fired(met)) if not rules]
 
 
 @pytest.mark.parametrize("step", [0.05, 0.12, 0.2, 0.3, 0.4])
