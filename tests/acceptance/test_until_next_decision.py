@@ -81,6 +81,21 @@ def fired(traffic: list[Traffic], rules: set[str] = OTHERS) -> list[set[str]]:
 
 
 @pytest.mark.parametrize("count", [300, at_length(3000)])
+def test_nobody_turns_into_who_is_beside_it(count: int) -> None:
+    rng = np.random.default_rng(count)
+    traffic = []
+    for _ in range(count):
+        v, side = rng.uniform(15.0, 60.0), rng.choice([-1.0, 1.0])
+        ages = rng.choice([0.0, 0.05, 0.1], 2)
+        y = side * ((WIDTH + OTHER_WIDTH) / 2 + rng.uniform(0.0, 0.4))
+        x = rng.uniform(0.05 - LENGTH, LENGTH - 0.05)
+        traffic.append(Traffic(v, side * rng.uniform(4.0, 12.0), x, y, v * rng.uniform(0.6, 1.6), *ages))
+    met = [each for each in traffic if each.meet()]
+    assert len(met) > count / 4
+    assert not [each for each, rules in zip(met, fired(met)) if not rules]
+
+
+@pytest.mark.parametrize("count", [300, at_length(3000)])
 def test_a_corner_that_comes_round_meets_nobody(count: int) -> None:
     """Slowly, where a body turns the most; everything is seen at once."""
     rng = np.random.default_rng(count)
@@ -111,3 +126,13 @@ def test_nobody_who_stands_is_driven_through_however_far_samples_are_apart(step:
     assert not [
         each for each, rules in zip(met, fired(met, {"driving_collision"})) if not rules and each.deep()
     ]
+
+
+@pytest.mark.parametrize("age", [0.0, 0.05, 0.1])
+def test_who_is_behind_then_and_now_answers_for_the_room(age: float) -> None:
+    """Bumper to bumper, in the line of ours and beside it; both were seen at one time."""
+    behind = [
+        Traffic(v, 0.0, -LENGTH - gap, y, v * faster, age, age)
+        for v in (15.0, 60.0) for gap in (0.5, 5.0) for y in (0.0, 2.6) for faster in (1.0, 1.05)
+    ]  # fmt: skip
+    assert not any(fired(behind))
