@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import assert_never
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, WeakSet
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.over_run.counts import Range, compared
@@ -43,6 +43,9 @@ _READ_AT_ONCE = {ir.Const, ir.Param, ir.Sample, ir.Scalar}
 
 #: What `levels` found, as long as a node is there.
 _LEVELS: WeakKeyDictionary[Node, frozenset[int]] = WeakKeyDictionary()
+#: Nodes that `levels` came to more than once: what is bound by `let` and used twice would be worked out twice, and in a chain of such twice as often
+#: for each of them.
+_SHARED: WeakSet[Node] = WeakSet()
 
 
 def levels(node: Node) -> frozenset[int]:
@@ -50,7 +53,11 @@ def levels(node: Node) -> frozenset[int]:
     found = _LEVELS.get(node)
     if found is None:
         own = (node.level,) if isinstance(node, ir.Axis) else ()
-        found = frozenset(own).union(*map(levels, node.children()))
+        found = frozenset(own)
+        for child in node.children():
+            if child in _LEVELS:
+                _SHARED.add(child)
+            found |= levels(child)
         if isinstance(node, ir.Fold):  # it binds the variable of its axis itself
             found -= {node.axis.level}
         _LEVELS[node] = found
@@ -78,7 +85,7 @@ class Reference:
         self._regions: dict[ir.Area, geometry.Region | str] = {}
         #: Where columns are read: the numbers, the level of their axis, and how many places further.
         self._columns: dict[ir.Column, tuple[list[float], int, int]] = {}
-        self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float]]] = {}
+        self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float], bool]] = {}
         self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
@@ -92,9 +99,10 @@ class Reference:
             return self._number(node, env)
         known = self._numbers.get(node)
         if known is None:
-            known = self._numbers[node] = (tuple(levels(node)), {})
-        read, values = known
-        if len(env) <= len(read) and not self._often:  # every variable that is bound, mostly
+            read = tuple(levels(node))
+            known = self._numbers[node] = (read, {}, self._often or node in _SHARED)
+        read, values, often = known
+        if len(env) <= len(read) and not often:  # every variable that is bound, mostly
             return self._number(node, env)
         key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
         value = values.get(key)
