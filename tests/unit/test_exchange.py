@@ -226,6 +226,62 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
     assert exchange.check(documents) == []
 
 
+FORMATTED = {
+    "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
+    "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",
+    "at 10<xhtml:sup>-3</xhtml:sup> m/s<xhtml:sup>2</xhtml:sup>": "It at 10^-3 m/s^2 open.",
+    "<xhtml:table><xhtml:tr><xhtml:td>at 5</xhtml:td><xhtml:td>0.1 s</xhtml:td></xhtml:tr></xhtml:table>": "It\nat 5 0.1 s\nopen.",
+    "shall <!-- not\n --><?tool says?>always": "It shall always open.",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("markup", FORMATTED)
+def test_formatted_text_is_what_one_reads(markup: str) -> None:
+    """Words behind a list ran into its last point, cells into one number, an exponent into its base; a comment was no ReqIF."""
+    text = REQIF.replace("shall <xhtml:b>open</xhtml:b>.<xhtml:br/>Always, if v &lt; 1.", f"{markup} open.")
+    documents, _ = read(text.replace("<DATATYPES>", "<!-- by a tool --><DATATYPES>"), "reqif", DOOR)
+    assert documents[0].requirements[1]["statement"] == FORMATTED[markup]
+
+
+def test_lines_are_those_of_the_file_behind_a_comment() -> None:
+    broken = REQIF.replace("<SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></OBJECT>", "<SPEC-OBJECT-REF>o3</SPEC-OBJECT-REF></OBJECT>")  # fmt: skip
+    lines = []
+    for comment in "\n\n\n", "<!-- a\n\n b\n -->":
+        with pytest.raises(Refused) as refused:
+            read(broken.replace("<DATATYPES>", f"{comment}<DATATYPES>"), "reqif", DOOR)
+        lines.append(refused.value.line or 0)
+    assert lines[0] == lines[1] > 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "id;title;statement;\r\nA-1;a;It shall open.;\r\n;;;\r\n",
+        "id;title;statement;Size, in m, or none;x,y\nA-1;a;It shall open.;3;4\n",
+        "\ufeff\r\nid;title;statement\r\nA-1;a;It shall open.\r\n",
+    ],
+)
+def test_a_spreadsheet_leaves_columns_and_lines_empty(text: str) -> None:
+    """And a name of a column may have a comma where semicolons divide."""
+    found: list[Finding] = []
+    (document,) = exchange.read(text.encode(), "csv", "file.csv", OURS, found)
+    (one,) = document.requirements
+    assert (found, one["id"], one["statement"]) == ([], "A-1", "It shall open.")
+
+
+def test_a_cell_below_no_name_is_not_passed_over() -> None:
+    with pytest.raises(Refused, match="column 4"):
+        read("id;title;statement;;\nA-1;a;It shall open.;b;\n", "csv", OURS)
+
+
+@pytest.mark.parametrize("version", [["1"], {"a": 1}, None, 1])
+def test_a_current_version_that_is_no_name(version: object) -> None:
+    """A list was an internal error."""
+    data = {"current_version": version, "versions": {"1": {"needs": {}}, "2": {"needs": {}}}}
+    with pytest.raises(Refused, match="the current version"):
+        read(json.dumps(data), "needs")
+
+
 @pytest.mark.parametrize(
     ("head", "between", "ends"),
     [("", ",", "\n"), ("\ufeff", ";", "\r\n"), ("", "\t", "\n"), ("\ufeffsep=;\r\n", ";", "\r\n"), ("SEP=\t\n", "\t", "\n")],

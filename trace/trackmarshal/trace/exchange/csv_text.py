@@ -1,7 +1,7 @@
 """Requirements as CSV (RFC 4180): a row each, a column for every field and for every foreign attribute; lists with `; ` between.
 
-Spreadsheets of countries that write 1,5 put semicolons between cells, or tabs: a header that is one cell between commas, and several between
-those, says so. They may begin with a line `sep=;`, which names the character.
+Spreadsheets of countries that write 1,5 put semicolons between cells, or tabs: a header that has more cells between those than between commas
+says so. They may begin with a line `sep=;`, which names the character.
 A cell that a spreadsheet would take for a formula begins with an apostrophe, which is taken off when it is read.
 """
 
@@ -57,6 +57,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
     rows = _rows(text, shown)
     line, head = next(rows, (1, []))
     names = [_text(cell).strip() for cell in head]
+    while names and not names[-1]:  # spreadsheets write a column in which there once was something
+        names.pop()
     twice = named_twice(names)
     if not names or twice is not None or "" in names:
         said = (
@@ -75,8 +77,13 @@ def read(data: bytes, shown: str) -> list[Draft]:
         )
     drafts: dict[str, Draft] = {}
     for line, cells in rows:
-        if len(cells) != len(names):
-            message = f"{len(cells)} cells where the header has {len(names)}"
+        unnamed = any(cell.strip() for cell in cells[len(names) :])
+        if len(cells) != len(head) or unnamed:
+            message = (
+                f"{len(cells)} cells where the header has {len(head)}"
+                if len(cells) != len(head)
+                else f"a cell in column {len(names) + 1} or behind it, which has no name"
+            )
             raise Refused(
                 "T358",
                 message,
@@ -84,7 +91,7 @@ def read(data: bytes, shown: str) -> list[Draft]:
                 line,
                 "cells with commas, quotes or line breaks stand in double quotes",
             )
-        told: dict[str, Value] = dict(zip(names, map(_text, cells)))
+        told: dict[str, Value] = dict(zip(names, map(_text, cells), strict=False))
         name, title, source = (str(told.pop(column, "")).strip() for column in OF_DOCUMENT)
         draft = drafts.setdefault(name, Draft(name, title or name or "Requirements", source))
         if title not in ("", draft.title) or source not in ("", draft.source):
@@ -124,15 +131,16 @@ def _rows(text: str, shown: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _divider(text: str) -> str:
-    """What stands between the cells of the header."""
-    for divider in _DIVIDERS:
+    """What stands between the cells of the header: what makes the most of it."""
+
+    def cells(divider: str) -> int:
         try:
-            head = next(csv.reader(io.StringIO(text, newline=""), delimiter=divider, strict=True), [])
+            reader = csv.reader(io.StringIO(text, newline=""), delimiter=divider, strict=True)
+            return len(next(filter(None, reader), []))
         except csv.Error:
-            break  # which is said when it is read
-        if len(head) > 1:
-            return divider
-    return _DIVIDERS[0]
+            return 0  # which is said when it is read
+
+    return max(_DIVIDERS, key=cells)
 
 
 def _joined(value: Value) -> str:

@@ -184,7 +184,7 @@ def _version(whole: dict[str, Any], shown: str) -> dict[str, Any]:
             "sphinx-needs writes it with the builder `needs`",
         )
     name = whole.get("current_version", "")
-    if name not in versions:
+    if not isinstance(name, str) or name not in versions:
         if len(versions) > 1:
             raise Refused(
                 "T354",

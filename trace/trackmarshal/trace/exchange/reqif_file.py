@@ -35,7 +35,12 @@ _MEANT = {theirs: ours for ours, theirs in STANDARD.items()}
 _RESERVED = (*FIELDS, *_MEANT)
 _SCHEMA = "http://www.omg.org/spec/ReqIF/20110401/reqif.xsd"
 _REFINES = "refines"
-_BLOCKS = frozenset({"br", "div", "p", "li", "tr", "h1", "h2", "h3", "h4", "h5", "h6"})
+#: Elements that are lines of their own.
+_BLOCKS = frozenset({
+    "div", "p", "li", "tr", "h1", "h2", "h3", "h4", "h5", "h6", "ul", "ol", "dl", "dt", "dd", "table", "caption", "blockquote", "pre", "hr", "address",
+})  # fmt: skip
+#: What stands before the text of an element that means something else without it: 10^-3, and two cells that are no number together.
+_BEFORE = {"sup": "^", "sub": "_", "td": " ", "th": " "}
 _LONGEST = "1000000"
 
 
@@ -310,18 +315,20 @@ class _Reading:
                 _line(one),
                 "does the file follow ReqIF's schema?",
             )
-        parts: list[str] = []
+        said = ""
         for event, node in _walk(value):
             tag = str(node.tag).rsplit("}", 1)[-1]
-            if event == "start":
-                if tag not in _BLOCKS and tag not in ("THE-VALUE", "span"):
-                    self._dropped(f"`{tag}` in formatted text", node)
-                if parts and tag in _BLOCKS and not parts[-1].endswith("\n"):
-                    parts.append("\n")
-                parts.append(" ".join(re.split(r"[ \t\r\n]+", node.text or "")))
-            else:
-                parts.append(" ".join(re.split(r"[ \t\r\n]+", node.tail or "")))
-        return "\n".join(line.strip() for line in "".join(parts).strip().split("\n"))
+            begins = event == "start"
+            if begins and tag not in _BLOCKS and tag not in ("br", "span", "THE-VALUE"):
+                self._dropped(f"`{tag}` in formatted text", node)
+            if tag in _BLOCKS:
+                said = said.rstrip(" ")
+            if (tag == "br" and begins) or (tag in _BLOCKS and not said.endswith("\n")):
+                said += "\n"
+            if begins:
+                said += _BEFORE.get(tag, "")
+            said += re.sub(r"[ \t\r\n]+", " ", (node.text if begins else node.tail) or "")
+        return "\n".join(line.strip() for line in said.strip().split("\n"))
 
     def _relate(self) -> None:
         kinds = {

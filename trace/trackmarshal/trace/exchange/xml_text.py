@@ -14,7 +14,7 @@ _DECLARED = re.compile(r"""^(\s*<\?xml[^>]*?)\s+encoding\s*=\s*["']([^"']*)["']"
 
 
 def checked(data: bytes, shown: str) -> str:
-    """The text of a well-formed XML file without its declared encoding; raises T350, T353."""
+    """The text of a well-formed XML file without its declared encoding and its comments, with the lines that it has; raises T350, T353."""
     encoding = "utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig"
     try:
         text = data.decode(encoding)
@@ -32,7 +32,7 @@ def checked(data: bytes, shown: str) -> str:
         raise Refused("T350", f"the encoding `{declared[2]}` is not read", shown, 1, "save the file as UTF-8")
     if declared:
         text = declared[1] + text[declared.end() :]
-    depth = 0
+    depth, kept, ended = 0, bytearray(), 0
     parser = expat.ParserCreate("utf-8")
 
     def begins(*_: object) -> None:
@@ -51,6 +51,14 @@ def checked(data: bytes, shown: str) -> str:
         nonlocal depth
         depth -= 1
 
+    def comments(*_: object) -> None:  # and instructions: the package takes either for an element
+        nonlocal ended
+        start = parser.CurrentByteIndex
+        kept.extend(whole[ended:start])
+        end = b"-->" if whole.startswith(b"<!--", start) else b"?>"
+        ended = whole.index(end, start) + len(end)
+        kept.extend(b"\n" * whole.count(b"\n", start, ended))
+
     def refuse(*_: object) -> None:
         raise Refused(
             "T353",
@@ -65,11 +73,13 @@ def checked(data: bytes, shown: str) -> str:
         ends,
         refuse,
     )
+    parser.CommentHandler = parser.ProcessingInstructionHandler = comments
     try:
-        parser.Parse(text.encode("utf-8"), True)
+        whole = text.encode("utf-8")
+        parser.Parse(whole, True)
     except expat.ExpatError as problem:
         said = expat.ErrorString(problem.code)
         raise Refused("T350", f"not XML: {said}", shown, problem.lineno, "is the file whole?") from None
     except UnicodeEncodeError:
         raise Refused("T350", "not XML: half of a character", shown, help="save the file as UTF-8") from None
-    return text
+    return (kept + whole[ended:]).decode("utf-8")
