@@ -194,6 +194,34 @@ def test_whoever_accepted_the_baseline_is_not_known(
     assert ("safe.directory" in found[0]["help"]) == (how == "of somebody else")
 
 
+def test_a_clone_without_contents_knows_of_no_acceptance(project: Path, tmp_path: Path) -> None:
+    """What the baseline was is fetched when it is asked for: where that cannot be, all versions were taken for none, and one changed by hand was green."""
+    fault = next(f for f in FAULTS if f.name == "a requirement struck with its entry, and something else accepted on top of it")  # fmt: skip
+    fault.edit(project)
+    run_git(project, "config", "uploadpack.allowFilter", "true")
+    run_git(tmp_path, "clone", "-q", "--filter=blob:none", f"file://{project}", "partial")
+    partial = tmp_path / "partial"
+    shutil.copytree(project / "out", partial / "out", dirs_exist_ok=True)
+    run_git(partial, "remote", "set-url", "origin", (tmp_path / "nowhere").as_uri())
+    assert causes(judged(partial, rerun=True)[1]) == [("T381", "")]
+    run_git(partial, "remote", "set-url", "origin", project.as_uri())
+    assert causes(judged(partial, rerun=True)[1]) == [("T380", "")]
+
+
+@pytest.mark.parametrize("where", ["the environment", "the settings"])
+def test_nobody_hides_where_a_project_was(where: str, project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for part in ("requirements", "specs", "docs"):
+        moved(part, f"campus/{part}")(project)
+    cut("campus/requirements/requirements.yaml", "  - id: S-9\n", "")(project)
+    (project / "campus" / BASELINE).unlink()
+    all_of(lambda root: agreed(lambda _: None)(root / "campus"), git("add", "-A", "."), committed("moved"))(project)  # fmt: skip
+    if where == "the environment":
+        monkeypatch.setenv("GIT_LITERAL_PATHSPECS", "1")
+    else:
+        run_git(project, "config", "diff.relative", "true")
+    assert causes(judged(project / "campus", rerun=True)[1]) == [("T380", "")]
+
+
 @pytest.mark.parametrize(("number", "told"), [(4, []), (3, [("T381", "")])])
 def test_versions_that_are_not_looked_at_are_told(
     number: int, told: list[tuple[str, str]], project: Path, monkeypatch: pytest.MonkeyPatch

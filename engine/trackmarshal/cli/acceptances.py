@@ -48,7 +48,7 @@ MOST = 1_000
 
 def check(root: Path, baseline: str) -> Iterator[Finding]:
     """T380 and T381 for the baseline of a project, whose path is relative to its folder. Nothing where there is no baseline: that is told elsewhere."""
-    from trackmarshal.trace.findings import Place, error
+    from trackmarshal.trace.findings import Place, error, warning
 
     if not (root / baseline).is_file():
         return
@@ -60,8 +60,13 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         )
         yield error("T380", message, Place(baseline), "put what it leads to in its place")
         return
-    found = list(_along(root, baseline))
-    yield from found or _merged(root, baseline)
+    try:
+        yield from list(_along(root, baseline)) or list(_merged(root, baseline))
+    except (OSError, subprocess.SubprocessError) as problem:
+        refusal, help_ = refused(problem)
+        message = f"who accepted the baseline is not known: {refusal}"
+        help_ = help_ or "put it under version control, and commit it"
+        yield warning("T381", message, Place(baseline), help_)
 
 
 def _merged(root: Path, baseline: str) -> Iterator[Finding]:
@@ -167,23 +172,17 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
 
     path = root / baseline
     place = Place(baseline)
-    try:
-        commits, named, whole = _versions(root, baseline, along=True)
-        cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
-        versions = [
-            ("", _in_lines(path.read_bytes())),
-            *(
-                (commit, _in_lines(_version(root, commit, named[commit])))
-                for commit in commits
-                if commit in named
-            ),
-        ]
-        versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
-    except (OSError, subprocess.SubprocessError) as problem:
-        refusal, help_ = refused(problem)
-        message = f"who accepted the baseline is not known: {refusal}"
-        yield warning("T381", message, place, help_ or "put it under version control, and commit it")
-        return
+    commits, named, whole = _versions(root, baseline, along=True)
+    cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
+    versions = [
+        ("", _in_lines(path.read_bytes())),
+        *(
+            (commit, _in_lines(_version(root, commit, named[commit])))
+            for commit in commits
+            if commit in named
+        ),
+    ]
+    versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
     if not versions[1:]:
         yield warning(
             "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
@@ -315,12 +314,9 @@ def _named_in(root: Path, commits: list[str], home: str) -> dict[str, str]:
     from trackmarshal.trace import tree
 
     asked = "".join(f"{commit}:./{posixpath.join(home, _MODEL)}\n" for commit in commits)
-    done = subprocess.run(
-        asking(root, "cat-file", "--batch", "--follow-symlinks"), input=asked.encode(), capture_output=True, check=True, timeout=60, env=surroundings()
-    )  # fmt: skip
     known: dict[bytes, str] = {}
     found: dict[str, str] = {}
-    rest = done.stdout
+    rest = _batch(root, asked, "--follow-symlinks")
     for commit in commits:
         head, _, rest = rest.partition(b"\n")
         if head.endswith(b" missing"):
@@ -355,14 +351,16 @@ def _is_none(data: bytes) -> bool:
 
 
 def _version(root: Path, commit: str, baseline: str) -> bytes:
-    done = subprocess.run(
-        asking(root, "show", f"{commit}:./{baseline}"),
-        capture_output=True,
-        check=False,
-        timeout=60,
-        env=surroundings(),
-    )
-    return done.stdout if done.returncode == 0 else b""  # where the file was removed
+    """What a file held in a commit, empty where there was none. Raises CalledProcessError where git cannot read it, as in a clone that has no contents."""
+    head, _, rest = _batch(root, f"{commit}:./{baseline}\n").partition(b"\n")
+    return b"" if head.endswith(b" missing") else rest[:-1]
+
+
+def _batch(root: Path, asked: str, *how: str) -> bytes:
+    """What git has by these names, one a line."""
+    return subprocess.run(
+        asking(root, "cat-file", "--batch", *how), input=asked.encode("utf-8", "surrogateescape"), capture_output=True, check=True, timeout=60, env=surroundings()
+    ).stdout  # fmt: skip
 
 
 def _git(root: Path, *words: str) -> str:

@@ -1,5 +1,5 @@
 """How git is asked about a project: of what is recorded, and of nothing that stands in its place on this machine: replaced objects, grafts, what was
-counted of the commits before, another repository that the environment names."""
+counted of the commits before, another repository that the environment names, or an answer in another form, as somebody likes to read it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import os
 import subprocess
 from pathlib import Path
 
-#: Variables that lead git elsewhere than to the repository around a folder; hooks of git set some for their own.
+#: Variables that lead git elsewhere than to the repository around a folder, or to other paths in it than are named; hooks of git set some for their own.
 _ELSEWHERE = (
     "GIT_DIR",
     "GIT_COMMON_DIR",
@@ -16,12 +16,19 @@ _ELSEWHERE = (
     "GIT_SHALLOW_FILE",
     "GIT_REPLACE_REF_BASE",
     "GIT_CEILING_DIRECTORIES",
+    "GIT_LITERAL_PATHSPECS",
+    "GIT_GLOB_PATHSPECS",
+    "GIT_NOGLOB_PATHSPECS",
+    "GIT_ICASE_PATHSPECS",
 )
+#: Settings of whoever asks, as which it is read: signatures stand among commits, a file is followed to another one, paths are from elsewhere.
+_AS_IT_IS = ("core.commitGraph", "log.showSignature", "log.follow", "diff.relative")
 
 
 def asking(folder: Path, *words: str) -> list[str]:
     """The command that asks git, in a folder."""
-    return ["git", "--no-replace-objects", "-c", "core.commitGraph=false", "-C", str(folder), *words]
+    plain = [part for name in _AS_IT_IS for part in ("-c", f"{name}=false")]
+    return ["git", "--no-replace-objects", *plain, "-C", str(folder), *words]
 
 
 def surroundings() -> dict[str, str]:
