@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 
 from golden.trace.cases import HERE, TODAY, Small, apply, compare
 from trackmarshal import trace
+from trackmarshal.trace.render.table import escaped
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.verdict import FAIL, PASS, RESERVED, SIGNS
 
@@ -138,3 +139,8 @@ def test_findings_of_other_rooms_are_passed_on() -> None:
     assert trace.gate(matrix) == [other]
     for kind in set(trace.FORMATS) - {"csv"}:
         assert "E219" in trace.render(matrix, kind), kind
+
+
+def test_markdown_shows_a_title_as_it_is() -> None:
+    """References to characters became these, what stands between two tildes was struck through, and between two dollars set as a formula."""
+    assert escaped("&lt;5 m, ~1 m or ~2 m, $x$") == r"\&lt;5 m, \~1 m or \~2 m, \$x\$"

@@ -105,7 +105,7 @@ def render_markdown(matrix: Matrix) -> str:
 
 def escaped(text: str, code: bool = False) -> str:
     """Text in one line that Markdown leaves alone; with `code`, backquotes keep their meaning."""
-    marks = "\\|<>*_[]#" if code else "\\|<>*_[]#`"
+    marks = "\\|<>*_[]#&~$" if code else "\\|<>*_[]#&~$`"
     plain = printable(text)
     parts = plain.split("`") if code and plain.count("`") % 2 == 0 else [plain]
     for number in range(0, len(parts), 2):
