@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.cli.main import main
 from trackmarshal.evaluation import Evaluator, loads
 
 #: Written out, a sum of 2 ** 200 terms.
@@ -28,3 +31,16 @@ def test_a_chain_ends(signal: str, clause: str, start: str, given: object, backe
     result = Evaluator(spec, None, backend).case({"signals": given}).rules["r"]
     assert result.verdict == "satisfied"
     assert result.margin == 1e70 - 1.5 * 2.0**DEEP
+
+
+def test_it_is_solved_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, count = tmp_path / "chain.spec", 40
+    chain = "".join(f"  let a{i} = a{i - 1} + a{i - 1}\n" for i in range(1, count + 1))
+    test = 'test r "t"\n  given ego = { v: 3 m/s }\n  expect satisfied\n'
+    path.write_text(
+        f"module m\nsignal ego : state {{ v: m/s }}\nrule r\n  let a0 = ego.v\n{chain}  require a{count} <= {2**count * 5} m/s\n{test}", "utf-8"
+    )  # fmt: skip
+    assert main(["show", "r", "--spec", str(path), "--solve", "v"]) == 0
+    assert "v_ego ≤ 5" in capsys.readouterr().out
+    assert main(["show", "r", "--spec", str(path), "--draw"]) == 0
+    assert capsys.readouterr().out.startswith("<svg")

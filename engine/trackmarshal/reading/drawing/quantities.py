@@ -118,6 +118,8 @@ class _Opening:
         self.made: dict[ir.Num, Quantity] = {}
         #: Whether whatever has a name may be taken whole, and what is read off a line by itself.
         self._lenient = False
+        #: The inputs of what has a name in the rule, by its place in memory: in a chain of lets that use the one before twice, looked for once for each.
+        self._bound: dict[tuple[int, int, bool], dict[ir.Num, Quantity]] = {}
 
     def open(self, number: typed.Number) -> None:
         """Take in the inputs of one side of a comparison."""
@@ -158,7 +160,10 @@ class _Opening:
                     raise _Raw(depth)
                 if depth:  # given to a definition: it stands in the text that calls it
                     return self._inputs(node.value, depth - 1)
-                return self._or_whole(node, node.value, (node.name,), depth, depth)
+                key = id(node.value), depth, self._lenient
+                if key not in self._bound:
+                    self._bound[key] = self._or_whole(node, node.value, (node.name,), depth, depth)
+                return self._bound[key]
             case typed.OnLine() | typed.StationGap():
                 if self._lenient:
                     return self._whole(node, (), depth)

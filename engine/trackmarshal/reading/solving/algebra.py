@@ -63,6 +63,8 @@ class Quantities:
     derived: dict[Symbol, tuple[Expr, Callable[[float], float]]] = field(default_factory=dict)
     inside: int = 0
     _named: dict[Layout, Symbol] = field(default_factory=dict)
+    #: What was worked out of what has a name in the rule, by its place in memory: in a chain of lets that use the one before twice, once for each.
+    bound: dict[tuple[int, int], Expr] = field(default_factory=dict)
 
     def depends(self, made: Expr) -> bool:
         """Whether an expression is one of the number that is solved for."""
@@ -135,7 +137,10 @@ def expression(node: typed.Number, known: Quantities) -> Expr:
         case typed.NamedNumber():
             if node.value is None:
                 raise Unsolvable("nothing given")
-            return expression(node.value, known)
+            key = id(node.value), known.inside
+            if key not in known.bound:
+                known.bound[key] = expression(node.value, known)
+            return known.bound[key]
         case typed.Choice() | typed.NumberCase():
             raise Unsolvable("choice")
         case typed.TableValue():
