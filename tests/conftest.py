@@ -16,7 +16,7 @@ from trackmarshal.backends.c import build
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.semantics.compile import _Compiler
 
-settings.register_profile("daily", max_examples=25)
+settings.register_profile("daily", max_examples=16)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
     _Compiler.run = compiled_once(_Compiler.run)  # type: ignore[method-assign]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from support.length import shared_out
 from support.project import command, copy_project
 from support.shared import REPOSITORY
 from trackmarshal import scenarios
@@ -76,7 +77,7 @@ def test_found_as_expected(fault: Fault) -> None:
     assert bench().run(CAMPAIGN, fault).wrong == "", fault.title
 
 
-@pytest.mark.parametrize("fault", BY_RULES, ids=name)
+@pytest.mark.parametrize("fault", shared_out(BY_RULES, 3), ids=name)
 def test_not_without_its_rule(fault: Fault) -> None:
     assert fault.expected is not None
     outcome = bench(fault.expected.by).run(CAMPAIGN, fault)

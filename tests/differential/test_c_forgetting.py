@@ -23,7 +23,7 @@ from trackmarshal.backends.c.source import generate
 from trackmarshal.evaluation import Evaluator, loads
 
 #: Runs of one program.
-RUNS = amount(8, 20)
+RUNS = amount(5, 20)
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 #: What looks ahead ends with an absence, whatever is remembered.
@@ -121,7 +121,7 @@ def scarce(dice: random.Random, many: int) -> list[dict[str, Any] | None]:
 def test_long_runs_of_pairs_saved_in_between() -> None:
     """Pairs come apart and meet again, with some that find no place; saved and restored, C goes on as if it had not stopped."""
     spec, dice = loads(PAIRS), random.Random(5)
-    cycles = scarce(dice, amount(200, 2000))
+    cycles = scarce(dice, amount(120, 2000))
     evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
     found = said(evaluators, cycles)
     assert found["c"] == found["numpy"]
@@ -159,7 +159,7 @@ def test_long_runs_in_which_places_are_scarce() -> None:
     dice = random.Random(11)
     t, there, cycles = 0.0, list("abcdef"), list[dict[str, Any] | None]()
     away: dict[str, float] = {}
-    for number in range(amount(250, 3000)):
+    for number in range(amount(150, 3000)):
         t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.1, 0.4]), 9)
         for name in there:
             if name not in away and dice.random() < 0.15:

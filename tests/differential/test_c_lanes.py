@@ -142,6 +142,7 @@ def test_all_that_can_be_wrong_came() -> None:
     assert {"bad_border", "over_capacity", "missing", "out_of_range", "wrong_type", "duplicate"} <= seen
 
 
+@pytest.mark.acceptance
 def test_emitted(tmp_path: Path) -> None:
     """The Supervisor in C that is emitted, sanitized and without a warning, decides of a record what Python decided."""
     (tmp_path / "m.spec").write_text(TEXT.replace("module made.lanes", "module m"), encoding="utf-8")

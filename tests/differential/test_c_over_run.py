@@ -26,7 +26,7 @@ from trackmarshal.runtime.verdict import About
 RULES = 12
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "3"))
 #: Runs of one program.
-RUNS = amount(5, 8)
+RUNS = amount(3, 8)
 OTHERS = ("reference", "numpy")
 
 
@@ -126,7 +126,7 @@ def test_long_runs_wrap_all_rings() -> None:
     dice = random.Random(7)
     t, cycles = 0.0, list[dict[str, Any] | None]()
     there = ["a", "b", "c", "d"]
-    for number in range(amount(200, 1500)):
+    for number in range(amount(120, 1500)):
         t = round(t + dice.choice([0.01, 0.05, 0.05, 0.1, 0.7]), 9)
         if dice.random() < 0.03:
             cycles.append(None)

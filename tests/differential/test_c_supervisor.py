@@ -45,8 +45,8 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 FOLDER = REPOSITORY / "specs" / "scenarios"
 RECORDINGS = sorted(path.name for path in FOLDER.glob("*.tmrec.jsonl*"))
 #: TRACKMARSHAL_RUNS=10000 has so many generated runs of 50 cycles.
-RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "8"))
-PARTS = amount(4, 8)
+RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "4"))
+PARTS = amount(2, 8)
 
 
 @cache

@@ -163,7 +163,7 @@ def said(evaluator: Evaluator, frame: Frame, name: str) -> tuple[RuleResult | Ab
 
 
 @pytest.mark.parametrize("expand", [False, True], ids=["called", "expanded"])
-@pytest.mark.parametrize("name", shared_out(rules(), 4))
+@pytest.mark.parametrize("name", shared_out(rules(), 8))
 def test_the_printed_formula_says_what_the_reference_says(name: str, expand: bool) -> None:
     rule = spec().rule(name)
     assert rule is not None

@@ -63,7 +63,7 @@ def said(decision: Decision) -> tuple[Any, ...]:
 
 
 @pytest.mark.parametrize(
-    ("what", "variant", "backend"), shared_out(product(TABLE, typed.VARIANTS, BACKENDS), 4)
+    ("what", "variant", "backend"), shared_out(product(TABLE, typed.VARIANTS, BACKENDS), 7)
 )
 def test_a_line_of_the_table(what: str, variant: str, backend: str) -> None:
     taken, refused = TABLE[what]

@@ -231,6 +231,7 @@ def rules(
     return items, tests, results, [run]
 
 
+@pytest.mark.acceptance
 def test_thousands_of_requirements(tmp_path: Path, record_property: pytest.Function) -> None:
     from hashlib import sha256
 

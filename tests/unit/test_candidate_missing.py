@@ -19,7 +19,7 @@ BACKENDS = ["numpy", at_length("reference"), *(["c"] if compiler() else [])]
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("gone", ["driving", "emergency"])
-@pytest.mark.parametrize("spec", ["specs/supervisor", "specs/fallback"])
+@pytest.mark.parametrize("spec", ["specs/supervisor", at_length("specs/fallback")])
 def test_the_other_one_is_judged(
     spec: str, gone: str, backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -266,6 +266,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return root
 
 
+@pytest.mark.acceptance
 def test_a_revision_beside_what_is_here(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     on = ["--on", "specs/scenarios/cut_in.tmrec.jsonl", "--quiet"]
     assert main(["diff", "HEAD", ".", *on]) == 0

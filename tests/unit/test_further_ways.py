@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from support.cycles import SPEED, cycle
+from support.length import shared_out
 from support.supervised import BACKENDS, against
 from trackmarshal.runtime.cycle import Cycle
 
@@ -299,7 +300,7 @@ SMALL = [
 
 
 @BACKENDS
-@pytest.mark.parametrize(("steps", "across"), SMALL)
+@pytest.mark.parametrize(("steps", "across"), shared_out(SMALL, 2))
 def test_a_turn_in_small_steps_is_not_safe(steps: list[float], across: float, backend: str) -> None:
     columns, turned = in_small_steps(steps, 90, across)
     given = made(columns, braking(heading=turned / 2), {"heading": turned / 2})

@@ -299,6 +299,7 @@ def some(count: int) -> tuple[Floats, Floats]:
     return poses, bends
 
 
+@pytest.mark.acceptance
 def test_numpy_takes_the_same_steps() -> None:
     poses, bends = some(1500)
     made = Curves(poses, bends, *BODY)

@@ -75,6 +75,7 @@ def test_german_is_whole_and_has_the_same_places_to_fill_in() -> None:
     assert alike == {"hazards.rated", "decomposition.level"}
 
 
+@pytest.mark.acceptance
 def test_a_german_case_says_the_same_in_german(warehouse: Path) -> None:
     english, german = html(warehouse), html(warehouse, "--words", "de")
     assert '<html lang="de">' in german.html

@@ -161,6 +161,7 @@ def test_no_grid_is_made_of_what_nobody_looks_for_in_one() -> None:
     assert "cells" in vars(corridor._region)
 
 
+@pytest.mark.acceptance
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_c_is_generated_once_for_a_spec_and_not_taken_for_another() -> None:
     """Of many specs that come and go, one like the other, each program judges by its own limit, and each of some of its rules."""
