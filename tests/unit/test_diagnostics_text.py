@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import io
+import sys
+
 import pytest
 
+from trackmarshal.cli.output import print_problem
 from trackmarshal.diagnostics import text
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics
 from trackmarshal.diagnostics.excerpt import width
@@ -220,3 +224,27 @@ def test_an_unknown_level_is_refused() -> None:
 
     with pytest.raises(ValueError, match="fatal"):
         text.render([Loud(NOWHERE, "a", "b")])
+
+
+@pytest.mark.parametrize(
+    ("terminal", "environment", "colours"),
+    [
+        (True, {}, True),
+        (True, {"NO_COLOR": ""}, True),
+        (True, {"NO_COLOR": "1"}, False),
+        (True, {"TERM": "dumb"}, False),
+        (False, {}, False),
+    ],
+)
+def test_colours_are_for_terminals_that_want_them(
+    monkeypatch: pytest.MonkeyPatch, terminal: bool, environment: dict[str, str], colours: bool
+) -> None:
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setenv("TERM", "xterm")
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    shown = io.StringIO()
+    monkeypatch.setattr(shown, "isatty", lambda: terminal)
+    monkeypatch.setattr(sys, "stderr", shown)
+    print_problem(TrackmarshalError("E410", "no project"))
+    assert ("\033[" in shown.getvalue()) == colours

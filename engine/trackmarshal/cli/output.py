@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
@@ -105,6 +106,11 @@ def _in_json(char: str) -> str:
 
 
 def coloured() -> bool:
+    """Whether what is said on standard error has colours: on a terminal that has them, where nobody wants none (no-color.org)."""
+    return _watched() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+
+
+def _watched() -> bool:
     """Whether what is said on standard error is read on a terminal; where there is none, nobody reads it."""
     return sys.stderr is not None and sys.stderr.isatty()
 
@@ -121,7 +127,7 @@ T = TypeVar("T")
 
 def progress(items: Sequence[T], what: str, quiet: bool) -> Iterator[T]:
     """The items; on a terminal, after a second, with a bar on standard error."""
-    if quiet or not coloured():
+    if quiet or not _watched():
         yield from items
         return
     start, shown = monotonic(), False
