@@ -130,6 +130,12 @@ def test_the_job_of_gitlab(repository: Path, broken: bool) -> None:
     assert set(template["variables"]) == {"TRACKMARSHAL_PROJECT", "TRACKMARSHAL_PACKAGE", "GIT_DEPTH"}
 
 
+def test_the_image_of_gitlab_has_git() -> None:
+    """Which holds the baseline against its versions; the small variants of python's images have none."""
+    image = loaded("ci/gitlab.yml")["trackmarshal"]["image"]
+    assert re.fullmatch(r"python:3\.[0-9]+", image)
+
+
 def scripts() -> dict[str, str]:
     """What the services run in their shells, without installing."""
     steps = loaded("action.yml")["runs"]["steps"]
