@@ -380,7 +380,7 @@ def test_of_very_many_rules_the_first_are_drawn_and_it_is_said_how_the_others_ar
     monkeypatch.setattr(drawing, "MOST", 1)
     page = html(warehouse).html
     assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h4>Boundary</h4>")
-    assert 'aria-label="Where slow_near_people ends' in page
+    assert 'aria-label="Where slow_near_people ceases' in page
     assert page.count('aria-label="Where ') < drawn
     assert re.findall(r"<code>(trackmarshal show \w+ --draw)</code> draws this one", page)
 

@@ -75,6 +75,14 @@ def test_german_is_whole_and_has_the_same_places_to_fill_in() -> None:
     assert alike == {"hazards.rated", "decomposition.level"}
 
 
+def test_a_verdict_means_in_german_what_it_means_in_english() -> None:
+    """What nobody has reviewed is a reservation, in the glossary of either language; the baseline is called as it is there."""
+    german = file("de")
+    for word, meaning in verdict.MEANINGS.items():
+        assert ("review" in meaning) == ("geprüft" in german[f"meaning.{word}"]), word
+    assert not any("Baseline" in text for text in german.values())
+
+
 @pytest.mark.acceptance
 def test_a_german_case_says_the_same_in_german(warehouse: Path) -> None:
     english, german = html(warehouse), html(warehouse, "--words", "de")

@@ -23,7 +23,7 @@ MOST = 200
 CODES = {
     "E494": (
         "a rule without a drawing",
-        "`--draw` shows where a demand on numbers ends to be met. What a rule asks about shapes in the plane, about whether something is so, about many "
+        "`--draw` shows where a demand on numbers ceases to be met. What a rule asks about shapes in the plane, about whether something is so, about many "
         "things at once, or about the run so far, is no such demand; the message says which.",
     ),
 }

@@ -26,7 +26,7 @@ class Beside:
 
     sheets: by rule or assumption, what `trackmarshal show RULE --format json` says. tests: by rule and title, the lines of a test. entries: of the
     evidence store, by kind and subject. pages: by scenario, the address of the run's page. index: the address of the page above.
-    drawings: by rule or assumption, where it ends to be met, as SVG that stands by itself; undrawn: why there is no such picture. clauses: the words of
+    drawings: by rule or assumption, where it ceases to be met, as SVG that stands by itself; undrawn: why there is no such picture. clauses: the words of
     kinds of clauses. compared: in place of the difference from the accepted baseline.
     """
 

@@ -107,10 +107,10 @@ function rule(number) {
   return [...parts, command(number)];
 }
 
-// Where a rule ends to be met, with its tests: as an image, in which no script runs.
+// Where a rule ceases to be met, with its tests: as an image, in which no script runs.
 function drawing(number) {
   const source = data.drawings[number];
-  return source ? make("img", { class: "drawing", src: "data:image/svg+xml," + encodeURIComponent(source), alt: "where " + nodes[number].id + " ends to be met" }) : null;
+  return source ? make("img", { class: "drawing", src: "data:image/svg+xml," + encodeURIComponent(source), alt: "where " + nodes[number].id + " ceases to be met" }) : null;
 }
 
 // Why there is no drawing of a rule, or how to come by it: nothing is drawn for this page, as that takes long.
