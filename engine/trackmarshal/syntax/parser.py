@@ -10,6 +10,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.syntax.errors import StrayText
 from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
+from trackmarshal.syntax.slips import FOREIGN_DECLARATIONS
 
 # Where a declaration starts: its keyword in column 1, or what looks like one with a misspelt keyword.
 _START = re.compile(
@@ -93,7 +94,7 @@ def _stray(file: SourceFile, start: int) -> StrayText:
     hint = (
         "a comment starts with `--`"
         if word.startswith(("#", "//", "/*"))
-        else close_matches(word, DECLARATIONS)
+        else FOREIGN_DECLARATIONS.get(word) or close_matches(word, DECLARATIONS)
     )
     return StrayText(span, f"`{word}`", column_1, hint or f"the keywords are {', '.join(DECLARATIONS)}")
 

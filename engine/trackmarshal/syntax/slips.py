@@ -42,6 +42,39 @@ FOREIGN_WORDS = {
     "when": "write `whenever`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
+#: What is met, what stands before it, and what to write; `FOUND` stands for what is met, without quotes.
+_PAIRS = tuple(
+    (re.compile(met), re.compile(rf"{behind}\s*\Z"), hint)
+    for met, behind, hint in (
+        (":", r"\A(?:rule|test|assume)[ \t]+\w+", "no `:` ends a name or a title: the first clause stands in the next line"),
+        (":", rf"\n[ \t]+({'|'.join(sorted(_CLAUSES))})", r"no `:` stands behind `\1`"),
+        ("[:=]", r"\Aenum[ \t]+\w+", "members stand in braces: `enum flag { green, yellow }`"),
+        ("=", r"\Aevent[ \t]+\w+", "an event comes with each cycle's data, and has no value here; what follows from inputs is a `predicate`"),
+        (":|if", r"(?:\bfor[ \t]+|\([ \t]*)\w+[ \t]+in[ \t]+\w+", "which of them are meant is said by `where`"),
+        (",|and", r"\n[ \t]+(?:for[ \t]+all|exists)[ \t]+\w+[ \t]+in[ \t]+\w+", "each quantifier is a clause of its own, in the next line"),
+        ("else", r"\bimplies\b[^\n]*", "`implies` has no `else`: write `(a implies b) and (not a implies c)`"),
+        ("of", r"[0-9][ \t]*%", "a share of something is a product: write `*`"),
+        ("[<>]=?|[=!]=", r"\bis", "leave out `is`"),
+        (".*", r"\bat[ \t]+most", "write `<=`"),
+        (".*", r"\bat[ \t]+least", "write `>=`"),
+        (r"\w+", r"\binside[ \t]+zone", "a point stands `in zone FOUND`, a footprint `inside FOUND`"),
+        ("with", r"\bexpect[ \t]+\w+", "write a comma: `expect satisfied, margin 1 m`"),
+        ("=", r"\bmargin", "write the number at once: `margin 1 m`"),
+        ("with", r"\Atest\b[^\n]*\n(?:[^\0]*\n)?", "what a test gives, parameters too, is a clause each: `given NAME = ...`"),
+        (":", r"\Atest\b[^\0]*=[ \t]*\([ \t]*\w+", "a record stands in braces: `{ v: 20 m/s }`"),
+        ('"', r"\b(?:is|enum\b[^\n]*\{[^}]*)|\Atest\b[^\0]*[:=,\[]", "a member stands without quotes: `FOUND`"),
+        ('"', r"\Ause", "a module stands without quotes: `FOUND`"),
+        ("/", r"\Ause[ \t]+[\w.]+", "the parts of a module's name are joined by `.`"),
+        (r"[0-9]", r"\bsatisfies\b[^\n]*", "an id starts with a capital letter: `S-1-A-4`; what a rule is taken from is its `source`"),
+        (r"[0-9]", r"\bsource[ \t]+(\w+)", r"say of what kind: `source \1 section FOUND`"),
+    )
+)  # fmt: skip
+#: Words of other languages that start a declaration.
+FOREIGN_DECLARATIONS = {
+    "import": "write `use`", "include": "write `use`", "from": "write `use`", "const": "write `param`", "constant": "write `param`",
+    "def": "write `define`, or `predicate` for a formula", "function": "write `define`, or `predicate` for a formula",
+    "input": "write `signal`", "assert": "write a `rule` that says `require`",
+}  # fmt: skip
 _COMMAS = re.compile(r"(?<![\w.,])[0-9]+(?:,[0-9]+)+(?:\.[0-9]+)?(?![\w.,])")
 #: What is a formula already, though its margin is a distance.
 _HOLDS = re.compile(r"\b(clear_of|inside)\b(?:(?!\b(?:and|or|implies)\b).)*\Z")
@@ -58,6 +91,8 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
     line = before.rpartition("\n")[2]
     return (
         _foreign_letter(found)
+        or _paired(found, before)
+        or _between(found, before, expected)
         or _misplaced(text, start, found, before, expected)
         or _sign(text, start, found, expected)
         or _negated(text, start, found, line, expected)
@@ -68,6 +103,36 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
         or _strange(found)
         or _exponent(text, start)
     )
+
+
+def _paired(found: str, before: str) -> str:
+    """What a sign or a word of other languages stands for behind what is there."""
+    for met, behind, hint in _PAIRS:
+        place = behind.search(before) if met.match(found) else None
+        if place:
+            return place.expand(hint).replace("FOUND", found.strip('"'))
+    return ""
+
+
+def _between(found: str, before: str, expected: set[str]) -> str:
+    """The one sign that may stand here, and what it is for."""
+    keyword = before.split(maxsplit=1)[0] if before.split() else ""
+    if found == ";" and open_brackets(before):
+        return "what stands in brackets is parted by commas"
+    if expected == {"COLON"} and open_brackets(before)[-1:]:
+        return (
+            "each parameter says its unit or its shape: `v: m/s`, `o: vehicle`"
+            if keyword in ("define", "predicate")
+            else "behind the name of a field stands `:`, as in `v: 20 m/s`, `v: m/s` where it is declared"
+        )
+    if expected == {"COLON"} and found == "=":
+        return "write `:`"
+    if expected >= {"_STATE", "_TRAJECTORY"}:
+        return "a signal is a `trajectory`, `series`, `state` or `set of object` with its fields in braces, a `corridor`, a `polyline`, or a `set of lane`"
+    if found.startswith('"') and expected == {"NAME", "ID"}:
+        name = re.sub(r"\W+", "_", found.strip('"')).strip("_").lower()
+        return f"a name stands before the title: `{keyword} {name or 'name'} {found}`"
+    return ""
 
 
 def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -> str:
@@ -147,7 +212,7 @@ def _listed(found: str, line: str, before: str, expected: set[str]) -> str:
     if (
         keyword == "test"
         and re.search(r"\bexpect\s*\Z", line)
-        and found in ("true", "false", "safe", "unsafe")
+        and found in ("true", "false", "safe", "unsafe", "not")
     ):
         return "a test expects `satisfied`, `violated`, `inactive`, `undefined` or `open`"
     return ""
@@ -289,6 +354,8 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
         return f"nothing is open that `{found}` could close"
     if found == ":" and re.search(r"\b(for[ \t]+all|exists)\b", line) is None and "EQUAL" in expected:
         return "write `=`"
+    if found[:1] in ('"', "{") and expected == {"EQUAL"}:
+        return "write `=` before it"
     return ""
 
 
