@@ -314,6 +314,7 @@ def _numeric(
     fits = len(args) == wanted or (more and len(args) > wanted)
     if not fits:
         least = "at least " if more else ""
+        of_many = f"of many it is written `{function}(p.v for p in plan)`" if more and len(args) == 1 else ""
         self.found.append(
             WrongArity(
                 _name_of_call(function, args, span),
@@ -321,7 +322,7 @@ def _numeric(
                 least + counted(wanted),
                 given(len(args)),
                 None,
-                decimal_comma(*(arg.__dict__["span"] for arg in args)),
+                of_many or decimal_comma(*(arg.__dict__["span"] for arg in args)),
             )
         )
     values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
@@ -495,7 +496,9 @@ def line(self: Expressions, value: typed.Value, span: Span) -> typed.Line:
         return typed.Centre(value, span)
     if isinstance(value, typed.RecordNode) and is_lane(value):
         return typed.Centre(typed.Lane(value, span), span)
-    self.fail(WrongKind(span, "a line, a trajectory or a corridor", value_spoken(value)))
+    between = "the distance between two points is `distance(a, b)`, with `use prelude.frames`"
+    hint = between if isinstance(value, typed.RecordNode) else ""
+    self.fail(WrongKind(span, "a line, a trajectory or a corridor", value_spoken(value), hint))
 
 
 def _area(self: Expressions, value: typed.Value, span: Span) -> typed.Area:
@@ -588,6 +591,8 @@ def unit_hint(value: typed.Number, wanted: Dimension, declared: str = "") -> str
         return f"leave the unit out: `{literal[1]}`"
     if not literal[2]:
         return f"write the unit: `{literal[1]} {unit}`"
+    if literal[2] == "%":
+        return f"say of what it is a share: `{literal[1]}% * NAME`"
     if literal[2] == "km" and wanted == SPEED:
         unit = "km/h"
     return f"write a unit of {name(wanted)}, such as `{literal[1]} {unit}`"

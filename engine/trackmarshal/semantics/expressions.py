@@ -184,6 +184,11 @@ class Expressions:
             hint = "compare it with something" if isinstance(value, (typed.NumberNode, typed.Count)) else ""
             if isinstance(value, typed.MemberNode):
                 hint = enums.hint(value)
+            if isinstance(value, typed.SignalNode) and (value.signal.many or value.signal.sequence):
+                each = f"o in {_span(expr).text}"
+                hint = (
+                    f"ask about what is in it: `exists {each}: (...)`, or how many there are, `count({each})`"
+                )
             self.fail(WrongKind(_span(expr), "a formula", value_spoken(value), hint))
         return value
 

@@ -115,12 +115,26 @@ class Scope:
         items = [*self.own.values(), *(found[0] for found in self.used.values())]
         for item in (symbol.item for symbol in items):
             if isinstance(item, ast.Enum) and name in {member.name for member in item.members}:
-                return f"it is a member of `{item.name}`: write `... is {name}` for each that is asked for"
+                asked = self.field_of(item.name) or "..."
+                return (
+                    f"it is a member of `{item.name}`: write `{asked} is {name}` for each that is asked for"
+                )
             if isinstance(item, ast.State) and name in {state.name for state in item.states}:
                 machine = f"{item.name}({item.binder})" if item.binder else item.name
                 return (
                     f"it is a state of `{item.name}`: write `{machine} is {name}` for each that is asked for"
                 )
+        return ""
+
+    def field_of(self, enum: str) -> str:
+        """A field of a state that is one of an enumeration, as it is asked for; empty where there is none."""
+        for item in (
+            symbol.item for symbol in (*self.own.values(), *(each[0] for each in self.used.values()))
+        ):
+            if isinstance(item, ast.Signal) and item.kind == "state" and not item.many:
+                for field in item.fields_:
+                    if field.type == enum:
+                        return f"{item.name}.{field.name}"
         return ""
 
     def _records(self) -> set[str]:
@@ -143,6 +157,8 @@ class Scope:
         modules = self._elsewhere(name, what, self.module)
         if name.lower() in ("true", "false"):
             hint = f"write `{name.lower()}`"
+        if name == "between" and what == "function":
+            hint = "write `x in [a, b]`"
         hint = _unit_with_blanks(name, span) or hint or "declare it, or `use` the module that declares it"
         return UnknownName(span, what, name, hint, modules)
 

@@ -303,7 +303,9 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
     symbol = x.look_up(name, at, "state", set(), ctx)
     item = symbol.item
     if not isinstance(item, ast.State):
-        x.fail(WrongKind(at, "a state", f"the {spoken(item)} `{name}`"))
+        asked_of = ctx.scope.field_of(name) if isinstance(item, ast.Enum) else ""
+        hint = f"ask the field that is one of it: `{asked_of} is ...`" if asked_of else ""
+        x.fail(WrongKind(at, "a state", f"the {spoken(item)} `{name}`", hint))
     x.asked.add(symbol.qualified)
     wanted = 1 if item.domain else 0
     if len(args) != wanted:
