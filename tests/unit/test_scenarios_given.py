@@ -206,7 +206,7 @@ def test_replay_judges_each_rule_by_its_own_truth() -> None:
             "rule slow_under_yellow: OUTSIDE (7 cycles judged); missed at 2.5",
         ),
         ("unsafe: [[1, 2]]", "unsafe: [[1, 1.5]]", "false alarm at 2"),
-        ("unsafe: [[1, 2]]", "unsafe: []", "false alarm at 1, 1.5, 2"),
+        ("unsafe: [[1, 2]]", "unsafe: []", "false alarm at 1 to 2"),
         ("gap(o) < 15 m", "gap(o) < 30 m", "rule apart for blue: OUTSIDE (7 cycles judged); missed at"),
         # Of blue, which is the truck, nothing is said then; nor of the other trajectory.
         ("object: blue, unsafe", "object: grey, unsafe", "no ground truth says that it may be unsafe at"),

@@ -378,7 +378,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
     """Lines: which rules fired when, what was driven, and how that compares with the ground truth."""
     from trackmarshal.scenarios.overrides import overrides
     from trackmarshal.scenarios.recording import CANDIDATES
-    from trackmarshal.scenarios.replay import ACTIONS, intervals
+    from trackmarshal.scenarios.replay import ACTIONS
 
     times = [cycle.t for cycle in outcome.cycles]
     rows = []
@@ -394,9 +394,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
                 continue
             worst = min(unsafe, key=lambda c: _badness(c.results[candidate].rules[rule.name]))
             result = worst.results[candidate].rules[rule.name]
-            spans = ", ".join(
-                f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals([c.t for c in unsafe], times)
-            )
+            spans = _spans([c.t for c in unsafe], times)
             verdicts = "/".join(sorted({c.results[candidate].rules[rule.name].verdict for c in unsafe}))
             satisfies = ", ".join(name for name, _ in rule.satisfies)
             where = str(result.witness.span) if result.witness and result.witness.span else result.reason
@@ -431,8 +429,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
         lines.append("every trajectory is safe")
     missing = [c.t for c in outcome.cycles if len(c.results) < len(CANDIDATES)]
     if missing:
-        spans = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(missing, times))
-        lines.append(f"a candidate is missing at {spans} s")
+        lines.append(f"a candidate is missing at {_spans(missing, times)} s")
     told = {f for c in outcome.cycles for r in c.results.values() for f in r.faults}
     faults = sorted(told | {str(f) for c in outcome.cycles for f in c.faults if not told})
     lines += [f"input: {fault}" for fault in faults[:10]] + (
@@ -448,15 +445,12 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
             lines.append(f"ground truth, {truth.kind}: inside ({judged})")
         else:
             lines.append(
-                f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_list(truth.missed)}, false alarm at {_list(truth.false_alarms)}"
+                f"ground truth, {truth.kind}: OUTSIDE ({judged}); missed at {_spans(truth.missed, times)}, false alarm at {_spans(truth.false_alarms, times)}"
             )
     if outcome.uncovered:
         lines.append(f"no ground truth was declared of {', '.join(outcome.uncovered)}")
     if outcome.truths and outcome.unexpected:
-        spans = ", ".join(
-            f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(outcome.unexpected, times)
-        )
-        lines.append(f"no ground truth says that it may be unsafe at {spans} s")
+        lines.append(f"no ground truth says that it may be unsafe at {_spans(outcome.unexpected, times)} s")
     return lines
 
 
@@ -466,5 +460,8 @@ def _badness(result: RuleResult) -> tuple[bool, float]:
     return undefined, 0.0 if undefined else result.margin
 
 
-def _list(times: tuple[float, ...]) -> str:
-    return ", ".join(f"{t:g}" for t in times) or "none"
+def _spans(some: Sequence[float], times: Sequence[float]) -> str:
+    """Those times of a run, what follows one another together: a false alarm in every cycle is one span."""
+    from trackmarshal.scenarios.replay import intervals
+
+    return ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(some, times)) or "none"
