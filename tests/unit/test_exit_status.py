@@ -215,6 +215,23 @@ def test_an_option_before_the_verb_is_not_lost() -> None:
     assert run_command("--version")[0] == 0
 
 
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("show", "fast", "small.spec"), True),
+        (("explain", "E301", "small.spec"), True),
+        (("show", "fast", "small"), False),
+        (("compile", "small.spec", "small.spec", "--out", "c"), False),
+    ],
+)
+def test_a_spec_beside_the_argument_of_a_verb(arguments: tuple[str, ...], told: bool) -> None:
+    """As `check` and `test` take it: what is left over may be named by an option."""
+    status, _, err = run_command(*arguments)
+    assert status == 2
+    assert "unrecognized arguments: small" in err
+    assert ("; a spec is named by --spec small.spec" in err) == told
+
+
 @pytest.mark.parametrize(("arguments", "status"), [(("check", "small.spec"), 0), (("check", "none.spec"), 2)])
 def test_the_package_runs_as_a_module(arguments: tuple[str, ...], status: int) -> None:
     """Where the folder of commands is not on the path, as after `pip install --user`."""

@@ -130,7 +130,13 @@ def _dispatch(arguments: list[str]) -> int:
     )
     _common(parser)
     module.configure(parser)
-    args = parser.parse_args([*before, *after])
+    args, left = parser.parse_known_args([*before, *after])
+    if (
+        left
+    ):  # of a verb whose argument is something else, people add the spec as they do with `check` and `test`
+        spec = next((word for word in left if word.endswith(".spec")), "")
+        help_ = f"; a spec is named by --spec {spec}" if spec and "[--spec " in parser.format_usage() else ""
+        parser.error(f"unrecognized arguments: {' '.join(left)}{help_}")
     status: int = module.run(args)
     return OK if status == FINDINGS and args.exit_zero else status
 
