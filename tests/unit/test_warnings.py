@@ -73,7 +73,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    assert warnings() == {"E220", "W301", "W302", "W303", "W304", "W305", "W306", "W307"}
+    assert warnings() == {"E220", "W301", "W302", "W303", "W304", "W305", "W306", "W307", "W308"}
     assert warnings() <= catalogue().keys()
 
 
@@ -121,6 +121,29 @@ def test_where_a_quantifier_ends_is_asked(formula: str, word: str, tmp_path: Pat
     )
     allowed = compiled(tmp_path, more + rule("a", formula, '  allow     W307 because "why"\n'))
     assert [found.code for found in allowed.found] == ([] if word else ["W303"])
+
+
+@pytest.mark.parametrize(
+    ("formula", "word"),
+    [
+        ("previous(ego.v) - ego.v <= 3 m/s", "previous"),
+        ("previous(ego.v) <= ego.v", "previous"),
+        ("fast and not once[0 s, 3 s] (ego.v) * 2 > ego.v", "once"),
+        ("weak previous(ego.v) <= ego.v <= 9 m/s", "previous"),
+        ("previous(ego.v) <= 3 m/s", ""),
+        ("previous (ego.v + 1 m/s) * 2 <= 3 m/s", ""),
+        ("previous ((ego.v) - ego.v <= 3 m/s)", ""),
+        ("previous ego.v - ego.v <= 3 m/s", ""),
+        ("previous(ego.v > 3 m/s) and ego.v > 1 m/s", ""),
+        ("previous(fast) iff fast", ""),
+    ],
+)
+def test_how_far_a_temporal_operator_goes_is_asked(formula: str, word: str, tmp_path: Path) -> None:
+    made = compiled(tmp_path, 'event fast "f"\n' + rule("a", formula))
+    assert made.errors == []
+    assert [(found.code, found.message.split("`")[1]) for found in made.found] == (
+        [("W308", word)] if word else []
+    )
 
 
 @pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])

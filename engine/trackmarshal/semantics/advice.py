@@ -12,7 +12,7 @@ from typing import assert_never
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.semantics import errors
-from trackmarshal.semantics.errors import BareAngle, EndsEarly, ExactlyEqual, WrongDimension
+from trackmarshal.semantics.errors import BareAngle, EndsEarly, ExactlyEqual, GoesOn, WrongDimension
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, show
@@ -50,6 +50,26 @@ def ends_early(expr: ast.Binary) -> EndsEarly | None:
             return EndsEarly(last.__dict__["span"], word, expr.op)
         last = below
     return None
+
+
+def goes_on(expr: ast.Temporal) -> GoesOn | None:
+    """What is to be said of `previous (a) - b <= c`, which reads as the `a` of before beside the `b` of now, and is neither.
+
+    Where nothing else comes from the input, both come to the same.
+    """
+    whole = expr.operand
+    if ast.is_parenthesised(whole):
+        return None
+    first = whole
+    while not ast.is_parenthesised(first):
+        if isinstance(first, ast.Binary) and first.op not in typed.CONNECTIVES:
+            first = first.left
+        elif isinstance(first, ast.Chained):
+            first = first.operands[0]
+        else:
+            return None
+    read, inside = (sum(isinstance(node, ast.Attribute) for node in part.walk()) for part in (whole, first))
+    return GoesOn(whole.__dict__["span"], expr.op, first.__dict__["span"].text) if read > inside else None
 
 
 def _always(expr: ast.Expr) -> bool:

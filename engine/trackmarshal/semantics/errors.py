@@ -807,3 +807,21 @@ class EndsEarly(Diagnostic):
     span: Span
     word: str
     op: str
+
+
+class GoesOn(Diagnostic):
+    code = "W308"
+    title = "a temporal operator that goes on behind parentheses"
+    level = "warning"
+    text = "`{word}` is about the whole comparison, and not about `({number})` alone"
+    label = "all of this is asked of another cycle or sample"
+    remedy = "put parentheses around all that it is about: `{word} (...)`; of a number there is no `{word}`"
+    explanation = (
+        "Temporal operators are about formulas, and go on behind parentheses to the end of the comparison: `previous (ego.v) - ego.v <= 3 m/s` is "
+        "`previous ((ego.v) - ego.v <= 3 m/s)`, which compares a number with itself. Within a plan, two samples are compared by `for all consecutive p, q "
+        "in plan`; a number of another cycle is what a `state` remembers."
+    )
+
+    span: Span
+    word: str
+    number: str

@@ -12,7 +12,7 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice, ends_early
+from trackmarshal.semantics.advice import Advice, ends_early, goes_on
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -596,6 +596,7 @@ class Expressions:
     # Time and quantifiers -----------------------------------------------------------------------------------
 
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> typed.Formula:
+        self.advise(goes_on(expr))
         (operand,), window = self._over_time((expr.operand,), expr.window, ctx)
         axis = ctx.timeline
         if expr.op in typed.STEPS:
