@@ -42,6 +42,8 @@ FOREIGN_WORDS = {
     "when": "write `whenever`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
+#: Nobody wrote a declaration of so many characters by hand, and patterns look at each of them more than once.
+_LONG = 20000
 #: What is met, what stands before it, and what to write; `FOUND` stands for what is met, without quotes.
 _PAIRS = tuple(
     (re.compile(met), re.compile(rf"{behind}\s*\Z"), hint)
@@ -65,6 +67,9 @@ _PAIRS = tuple(
         ('"', r"\b(?:is|enum\b[^\n]*\{[^}]*)|\Atest\b[^\0]*[:=,\[]", "a member stands without quotes: `FOUND`"),
         ('"', r"\Ause", "a module stands without quotes: `FOUND`"),
         ("/", r"\Ause[ \t]+[\w.]+", "the parts of a module's name are joined by `.`"),
+        (":", r"\n[ \t]+let[ \t]+\w+", "a `let` has no unit of its own: write `=`"),
+        (r"\.", r"\b(always|eventually|historically|once|since|until)[ \t]*(\([^()\n]*)\)[ \t]*\w+", r"a window stands in square brackets: `\1[0 s, 2 s]`"),
+        ("[A-Z]", r"\b(?:satisfies|assuming)[ \t]+(?:[\w.-]+[ \t]*,[ \t]*)*[\w.-]+", "ids are parted by commas"),
         (r"[0-9]", r"\bsatisfies\b[^\n]*", "an id starts with a capital letter: `S-1-A-4`; what a rule is taken from is its `source`"),
         (r"[0-9]", r"\bsource[ \t]+(\w+)", r"say of what kind: `source \1 section FOUND`"),
     )
@@ -107,6 +112,8 @@ def hint_for(text: str, start: int, found: str, before: str, expected: set[str])
 
 def _paired(found: str, before: str) -> str:
     """What a sign or a word of other languages stands for behind what is there."""
+    if len(before) > _LONG:
+        return ""
     for met, behind, hint in _PAIRS:
         place = behind.search(before) if met.match(found) else None
         if place:
@@ -122,13 +129,19 @@ def _between(found: str, before: str, expected: set[str]) -> str:
     if expected == {"COLON"} and open_brackets(before)[-1:]:
         return (
             "each parameter says its unit or its shape: `v: m/s`, `o: vehicle`"
-            if keyword in ("define", "predicate")
+            if keyword in ("define", "predicate", "table")
             else "behind the name of a field stands `:`, as in `v: 20 m/s`, `v: m/s` where it is declared"
         )
     if expected == {"COLON"} and found == "=":
         return "write `:`"
     if expected >= {"_STATE", "_TRAJECTORY"}:
         return "a signal is a `trajectory`, `series`, `state` or `set of object` with its fields in braces, a `corridor`, a `polyline`, or a `set of lane`"
+    if expected >= {"DOT", "_BY"}:
+        return "say of which number the nearest has the least: `for nearest o in objects by gap(o)`"
+    if expected == {"COMMA", "VBAR"} and keyword == "table":
+        return "rows stand between bars: `| 0 m/s: 3 m | 10 m/s: 5 m |`"
+    if expected == {"_BECOMES", "_BRIDGES"}:
+        return "a transition is a clause: `becomes b when ...`, or `becomes b from a when ...`"
     if found.startswith('"') and expected == {"NAME", "ID"}:
         name = re.sub(r"\W+", "_", found.strip('"')).strip("_").lower()
         return f"a name stands before the title: `{keyword} {name or 'name'} {found}`"
@@ -139,7 +152,7 @@ def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -
     """What other languages, and English, would have here."""
     keyword = before.split(maxsplit=1)[0] if before.split() else ""
     line = before.rpartition("\n")[2]
-    if found == "for" and re.match(r"for\s+[0-9]", text[start : start + 20]):
+    if found == "for" and re.match(r"for\s+(the\s+last\s+)?[0-9]", text[start : start + 20]):
         return "what holds for 5 s is `historically[0 s, 5 s] (...)`, of the past, or `always[0 s, 5 s] (...)`, of what comes"
     if found == "unless":
         return 'write `... or EXCEPTION`; behind a `for all`, the clause `except CONDITION "reason"`'
