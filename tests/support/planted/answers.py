@@ -345,6 +345,7 @@ FAULTS = [
     Fault("the document of an analysis that was reviewed", all_of(agreed(_ANALYSED), _SHARED), "T373", "AN-1"),
     Fault("the document of an analysis that was reviewed, accepted before it was on the list", all_of(agreed(all_of(_ANALYSED, _SHARED)), accepted(_off("analysis AN-1"), rehash=True)), "T382", "AN-1"),
     Fault("a hazard that was reviewed, rated otherwise and accepted", all_of(agreed(swap(A, "works:\n", f"{RATED}works:\n")), agreed(all_of(swap(H, "exposure: E4", "exposure: E3"), swap(H, "    asil: C\n    rationale", "    asil: B\n    rationale")))), "T167", "RV-4", status=0),
+    Fault("somebody who answers for something, of another name", swap(A, "title: Ola Observer", "title: Ola Other"), "T153", "A-SEEN"),
     Fault("a reviewer of another name", swap(A, "title: Vera Verifier", "title: Prof. Important"), "T376", "P-4"),
     Fault("another thing that an indicator counts", swap(A, "title: refused plans", "title: sunny days"), "T376", "SPI-1"),
     Fault("another reason for which a method is not used", _ANOTHER_REASON, "T376", "S-1"),

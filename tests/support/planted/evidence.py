@@ -265,6 +265,9 @@ FAULTS = [
     Fault("a waiver of nobody's", swap(V, "    owner: Dana Driver\n", ""), "T120"),
     # scenarios and recordings
     Fault("a scenario struck", swap(V, "    - {path: specs/scenarios/hurry.tmrec.jsonl, title: " + SCENARIO + "\n", ""), "T228", HURRY),
+    Fault("a scenario struck that faults are put into", swap(V, f"    - {{path: {CALM}, title: {DRIVE}\n", ""), "T228", CALM),
+    Fault("a scenario without a stage that faults are put into", swap(V, "title: A calm drive, stage: S-4-B,", "title: A calm drive,"), "T120"),
+    Fault("what faults are put into edited, and made a scenario", all_of(agreed(swap(V, f"    - {{path: {CALM}, title: {DRIVE}\n", "")), swap(V, "  campaigns:", f"    - {{path: {CALM}, title: {DRIVE}\n  campaigns:"), remade(CALM, lambda data: data.replace(b'"v":10.0', b'"v":10.1', 1))), "T265", F),
     Fault("synthetic made field", swap(V, DRIVE, DRIVE.replace("synthetic", "field")), "T375", CALM),
     Fault("a scenario that is to show less", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth", "expect: fire, by: [speed_limit]")), "T375", HURRY),
     Fault("a scenario that may not fire, and does", swap(V, SCENARIO, SCENARIO.replace("expect: ground_truth", "expect: no_fire")), "T375", HURRY),

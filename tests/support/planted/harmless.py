@@ -20,7 +20,7 @@ from support.planted.edits import (
     remade,
     swap,
 )
-from support.planted.evidence import GENERATED, OTHER_VERSION, REPORTED, ran
+from support.planted.evidence import CALM, DRIVE, GENERATED, OTHER_VERSION, REPORTED, ran
 from support.planted.specs import BY_NAME
 
 R, M, V, H, A = (
@@ -121,6 +121,7 @@ EDITS = [
     Harmless("a title of a rule", swap(S, '"No faster than the campus permits"', '"Speed"')),
     Harmless("a title of a test", swap(S, '"coasting"', '"rolling on"')),
     Harmless("a title of a stage", swap(V, "title: rules,", "title: rules and monitors,")),
+    Harmless("what faults are put into made a scenario", all_of(agreed(swap(V, f"    - {{path: {CALM}, title: {DRIVE}\n", "")), swap(V, "  campaigns:", f"    - {{path: {CALM}, title: {DRIVE}\n  campaigns:"))),
     Harmless("a title of a scenario", swap(V, "title: A calm drive", "title: Nothing happens")),
     Harmless("a title of a document", swap(R, "title: What the shuttle has to keep to", "title: Requirements")),
     Harmless("a rationale", swap(R, "rationale: The avenue is laid out for that.", "rationale: So it was laid out.")),

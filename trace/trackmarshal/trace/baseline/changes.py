@@ -54,6 +54,8 @@ _SILENT = {
 _GATE = "gate "
 #: And what they end with that ask for less.
 _PARTIAL = ", partial"
+#: The field that says what faults are put into.
+_PUT_INTO = "replayed with"
 #: Why a report that may be missing is less, and methods that it names: nobody asks for other evidence then (T255).
 _EXCUSES = "it may be missing, and other evidence is not asked for then"
 #: Why methods that a document or a report is said to answer are: no link tells that it does.
@@ -169,6 +171,7 @@ def changes(
 
 def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
     before = _raised(before, now)
+    before, now = _put_into(before, now), _put_into(now, before)
     renamed = _renamed(before, now)
     listed = any(key.startswith(_GATE) for key in now)
     if listed and not any(key.startswith(_GATE) for key in before):
@@ -234,6 +237,22 @@ def _raised(before: Content, now: Content) -> Content:
             else:
                 del found[key]
     return found
+
+
+def _put_into(content: Content, other: Content) -> Content:
+    """With the contents of what faults are put into where the other one says them: where the recording is a scenario of the project, they stand with that."""
+    found = dict(content)
+    for key, entry in content.items():
+        said = _elements(entry.get(_PUT_INTO, ""))
+        if key.startswith("campaign ") and _contents(other.get(key, {})) and not _contents(entry):
+            path = next((one.removeprefix("recording ") for one in said if one.startswith("recording ")), "")
+            if held := content.get(f"scenario {path}", {}).get("recording"):
+                found[key] = {**entry, _PUT_INTO: sorted([*said, f"contents {held}"])}
+    return found
+
+
+def _contents(campaign: Entry) -> bool:
+    return any(one.startswith("contents ") for one in _elements(campaign.get(_PUT_INTO, "")))
 
 
 def _narrowed(before: Content, now: Content) -> Iterator[Change]:

@@ -120,6 +120,8 @@ def _names(change: Change, before: Entry) -> Iterator[str]:
         yield f"at {stage}"
     if change.kind == UNREVIEWED:
         yield change.name.partition(" ")[2]
+    if change.kind == "person":  # as owners are named
+        yield str(before.get("title", ""))
     if change.kind == "fault":
         yield from change.name.rsplit(" ", 1)
     if change.kind == "external-tests":
