@@ -258,8 +258,20 @@ _ANALYSED = swap(A, "works:\n", f"{ANALYSED}works:\n")
 _SHARED = put("docs/independence.md", b"# Independence\n\nPlanner and supervisor share one computer.\n")
 
 # fmt: off
+#: A page that is said to answer a method of one requirement, and none of another one.
+_TWO_ENTRIES = all_of(
+    add("docs/planner.md", "\nS-32 is met by that, too.\n"),
+    swap(
+        V,
+        "methods: [analysis]}\n",
+        "methods: [analysis]}\n  - {path: docs/planner.md, title: And how it is watched, stage: S-2-A, requirements: [S-32]}\n",
+    ),
+    swap(V, "applies_to: [S-31]", "applies_to: [S-31, S-32]"),
+)
 FAULTS = [
     Fault("one requirement more of a page that answers a method", all_of(_ANALYSIS, swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-2], methods")), "T373", "docs/planner.md at S-2-A"),
+    Fault("a method of one entry of a page, and not of another one of it, answered by both", all_of(agreed(_TWO_ENTRIES), swap(V, "requirements: [S-32]}\n", "requirements: [S-32], methods: [analysis]}\n")), "T373", "docs/planner.md at S-2-A"),
+    Fault("two entries of a page made one, which answers the method of either", all_of(agreed(_TWO_ENTRIES), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-32], methods"), cut(V, "  - {path: docs/planner.md, title: And", "gate:\n")), "T373", "docs/planner.md at S-2-A"),
     Fault("one requirement more of an analysis", all_of(_ANALYSIS, swap(A, "of: [S-3]", "of: [S-3, S-2]")), "T373", "AN-1"),
     Fault("accepted by a name that nobody sees", all_of(_STRUCK, _by_what_nobody_sees), "T223", "S-9"),
     Fault("found open after it was accepted", all_of(agreed(_REVIEWED), swap(A, "works:\n", f"{REVIEW.replace('RV-2', 'RV-5').replace('2026-05-01', '2026-05-02').replace('accepted', 'open')}works:\n")), "T382", "S-1"),
@@ -369,6 +381,8 @@ EDITS = [
     Harmless("less accepted twice, and more again, in one commit", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [test]")), agreed(swap(V, "boundary: 1", "boundary: 0")), agreed(swap(V, "satisfied: 1, ", "satisfied: 0, ")), committed("less"))),
     Harmless("a report that may be missing, accepted when nobody was asked for a name", all_of(agreed(all_of(REPORTED, ran("fast"))), accepted(lambda held: held["acceptances"][-1].update(weaker=[one for one in held["acceptances"][-1]["weaker"] if "report" not in one]), rehash=False), committed("report"))),
     Harmless("a baseline of before, which does not hold what a page does not name", accepted(lambda held: held["content"]["evidence docs/planner.md at S-2-A"].pop("unnamed"), rehash=True)),
+    Harmless("two entries of a page with the same methods made one", all_of(agreed(all_of(_TWO_ENTRIES, swap(V, "requirements: [S-32]}\n", "requirements: [S-32], methods: [analysis]}\n"))), swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-32], methods"), cut(V, "  - {path: docs/planner.md, title: And", "gate:\n"))),
+    Harmless("a page somewhere else since a baseline of before", all_of(accepted(lambda held: held["content"]["evidence docs/planner.md at S-2-A"].pop("answers"), rehash=True), moved("docs/planner.md", "docs/of/planner.md"), swap(V, "path: docs/planner.md", "path: docs/of/planner.md"))),
     Harmless("one more review", _REVIEWED),
     Harmless("methods of what was reviewed in another order, and another title", all_of(agreed(_REVIEWED), swap(R, "verification: [test, scenario]", "verification: [scenario, test]"), swap(R, "title: Permitted speed", "title: Speed"))),
     Harmless("a review of an analysis", _ANALYSED),

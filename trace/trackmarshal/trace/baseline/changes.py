@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from trackmarshal.trace.baseline.content import (
+    ANSWERS,
     RAN,
     UNKNOWN,
     UNMARKED,
@@ -85,7 +86,7 @@ _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", 
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
-    ("external-tests", RAN),
+    ("external-tests", RAN), ("evidence", ANSWERS),
 }  # fmt: skip
 
 
@@ -286,7 +287,9 @@ def _renamed(before: Content, now: Content) -> set[str]:
     new: dict[tuple[str, ...], str] = {}
     # What tests come to is held from the next acceptance on: until then, they are the same where they are written in the same way.
     worked = f"text{WORKED_OUT}"
-    without = "text" if any(worked in entry for entry in before.values()) else worked
+    without = {"text" if any(worked in entry for entry in before.values()) else worked}
+    if not any(ANSWERS in entry for entry in before.values()):
+        without.add(ANSWERS)
     for key, entry in now.items():
         said = None if key in before else _but_for_its_name(key, entry, without)
         if said is not None:
@@ -304,15 +307,12 @@ def _renamed(before: Content, now: Content) -> set[str]:
 _CALLED_BY_PATH = {"evidence": "sha256", "scenario": "recording", "section": "contents"}
 
 
-def _but_for_its_name(key: str, entry: Entry, without: str) -> tuple[str, ...] | None:
-    """What an entry says but for its title, or for where its file is; None where that is no small thing. without: a field of tests that does not count."""
+def _but_for_its_name(key: str, entry: Entry, without: Container[str]) -> tuple[str, ...] | None:
+    """What an entry says but for its title, or for where its file is; None where that is no small thing. without: fields that do not count."""
     kind, _, name = key.partition(" ")
+    entry = {field: said for field, said in entry.items() if field not in without}
     if kind == "test":
-        return (
-            kind,
-            name.partition(": ")[0],
-            str({field: said for field, said in entry.items() if field != without}),
-        )
+        return (kind, name.partition(": ")[0], str(entry))
     if not entry.get(_CALLED_BY_PATH.get(kind, "")):
         return None
     apart = {"evidence": " at ", "section": "#"}.get(kind)
@@ -325,6 +325,11 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         if (kind, field) == ("evidence", "unnamed") and field not in before:
             # Earlier baselines do not hold it, and those of pages that name all have none: what came since is known by what the page was evidence of then.
             old = sorted({*_elements(new)} & {*_elements(before.get("requirements", ""))})
+        if (kind, field) == ("evidence", ANSWERS):
+            # What of it comes of a requirement or a method more, or less, is told there.
+            old, new = (
+                [one for one in _elements(value) if _both_in(one, before, now)] for value in (old, new)
+            )
         without = field in _FILES and not new
         worked = f"{field}{WORKED_OUT}"
         if (worked in before and worked in now) or (field.endswith(WORKED_OUT) and field not in before):
@@ -350,7 +355,9 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         listed = isinstance(old, list) or isinstance(new, list)
         more = bool(set(_elements(new)) - set(_elements(old)))
         # To answer the same methods for one requirement more claims as much as to answer one method more.
-        added = more and (field == "methods" or (field == "requirements" and bool(now.get("methods"))))
+        added = more and (
+            field in ("methods", ANSWERS) or (field == "requirements" and bool(now.get("methods")))
+        )
         why = (
             _excuses(kind, now, added)
             if added
@@ -365,6 +372,15 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
         if (kind, field) == ("test", "text") and before.get(field) == now.get(field):
             told = "what is written of it is the same, and what that stands for is not"
         yield Change(kind, name, field, *shown, weaker, listed, told, bool(why))
+
+
+def _both_in(answer: str, before: Entry, now: Entry) -> bool:
+    """Whether evidence was of the requirement, and answered the method, that are said to be answered, and does now."""
+    requirement, _, method = answer.partition(": ")
+    return all(
+        requirement in one.get("requirements", ()) and method in one.get("methods", ())
+        for one in (before, now)
+    )
 
 
 def accepted(change: Change, texts: Iterable[str]) -> bool:

@@ -42,6 +42,8 @@ UNMARKED = "no longer naming it"
 #: How many of them were not skipped, in any of their parameters.
 RAN = "not skipped"
 _PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
+#: Of evidence, which methods it answers of which requirements.
+ANSWERS = "answers"
 #: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
 _NAMED = ("person", "indicator", "malfunction", "method", "work")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
@@ -269,6 +271,8 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
                 "requirements": _list(e.requirements),
                 "sha256": hashes.get(e.path) or "",
                 "methods": _list(e.methods),
+                # Entries of one page may answer different methods.
+                ANSWERS: _list(f"{r}: {method}" for r in e.requirements for method in e.methods),
                 "unnamed": sorted(
                     {*map(str, e.requirements)} & {*(hashes.get(naming(e.path)) or "").split()}
                 ),
