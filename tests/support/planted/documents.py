@@ -93,6 +93,7 @@ FAULTS = [
     Fault("an unknown method", swap(R, "verification: [monitor]", "verification: [faith]"), "T123"),
     Fault("a range of a unit that there is not", swap(H, "from: 36 km/h, to: 11 m/s", "from: 36 knots, to: 11 m/s"), "T124", "ODD-1"),
     Fault("a range of two dimensions", swap(H, "from: 36 km/h, to: 11 m/s", "from: 36 km/h, to: 11 s"), "T127", "ODD-1"),
+    Fault("a range of one quantity twice", swap(H, "      - {quantity: objects.length", "      - {quantity: ego.v, from: 10.5 m/s, to: 11 m/s}\n      - {quantity: objects.length"), "T130", "ODD-1"),
     Fault("a range upside down", swap(H, "from: 36 km/h, to: 11 m/s", "from: 11 m/s, to: 36 km/h"), "T127", "ODD-1"),
     Fault("a time without a unit", swap(H, "tolerance: 500 ms", "tolerance: '500'"), "T124"),
     Fault("a Boolean for a text", swap(R, "title: Brakes", "title: no"), "T128"),

@@ -12,6 +12,7 @@ from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.values import Placed
 from trackmarshal.units import UNIT_PATTERN, parse_unit, show, to_si, written
 
 #: Two numbers that differ by less than this share of the range are the same: recordings are written with so many digits.
@@ -21,11 +22,20 @@ _UNIT = re.compile(rf"(?:1|{UNIT_PATTERN})(?:[*/·]{UNIT_PATTERN})*")
 
 
 def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
-    """T254 for every range of a domain that no recording reaches both ends of; T124 and T127 for what is no range."""
+    """T254 for every range of a domain that no recording reaches both ends of; T124 and T127 for what is no range; T130 for a second one of a quantity, of which the baseline and the safety case hold one."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     runs = [run for path, run in sorted(spec.runs.items()) if path in declared]
     for entry in project.entries:
+        first: dict[str, Placed] = {}
         for quantity, low, high in entry.ranges:
+            before = first.setdefault(str(quantity), quantity)
+            if before is not quantity:
+                message = f"{called((entry.kind, str(entry.id)))} claims `{quantity}` twice"
+                also = ((before.place, "the first time here"),)
+                yield Finding(
+                    "T130", "error", message, quantity.place, "keep one of the ranges", str(entry.id), also
+                )
+                continue
             wrong = _wrong(low, high)
             if wrong:
                 code, message, help_ = wrong
