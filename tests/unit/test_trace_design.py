@@ -119,6 +119,14 @@ def test_a_section_in_which_nothing_is_said_is_none(body: str) -> None:
     assert section(f"# Design\n\n## R-1\n\n{body}\n\n## R-3\n\nthree\n", "R-1") is None
 
 
+def test_a_comment_that_nothing_ends_hides_the_rest_where_it_begins_a_line() -> None:
+    text = "# Design\n\n{}\n\n## R-1\n\nIt plans.\n"
+    assert section(text.format("<!--"), "R-1") is None
+    assert section(text.format("  <!-- - below is old"), "R-1") is None
+    for seen in ("Write <!-- so.", "<!-->", "```\n<!--\n```", "    <!--"):
+        assert section(text.format(seen), "R-1") == "It plans."
+
+
 @pytest.mark.parametrize(
     "body", ["---\n\nIt plans.\n\n---", "### R-2\n\nIt plans.", "```\nplan()\n```", "R", "計画する。"]
 )

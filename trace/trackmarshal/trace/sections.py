@@ -14,6 +14,8 @@ from trackmarshal.trace.values import Placed
 
 _HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+#: How one begins that no end follows: at the beginning of a line, it goes on to the end of the document.
+_UNENDED = re.compile(r"[ ]{0,3}<!--(?!-?>)")
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
 #: Letters and symbols by their category, which look like blanks.
 _BLANK = "\u115f\u1160\u2800\u3164\uffa0"
@@ -63,8 +65,13 @@ def lettered(text: str) -> bool:
 
 
 def _seen(text: str) -> str:
-    """A text without comments of HTML; those that no end follows are seen."""
-    return _COMMENT.sub("", text)
+    """A text without comments of HTML; those that begin within a line, and that no end follows, are seen."""
+    text = _COMMENT.sub("", text)
+    if "<!--" not in text:
+        return text
+    lines = list(_lines(text))
+    end = next((n for n, (code, line) in enumerate(lines) if not code and _UNENDED.match(line)), None)
+    return text if end is None else "\n".join(line for _, line in lines[:end])
 
 
 def _named(name: str) -> re.Pattern[str]:
@@ -99,13 +106,19 @@ def section(text: str, name: str) -> str | None:
 
 def _headed(text: str) -> Iterator[tuple[int, str]]:
     """Every line, with the level of the heading that it is, 0 for others."""
+    for code, line in _lines(text):
+        heading = None if code else _HEADING.fullmatch(line)
+        yield (len(heading[1]), heading[2]) if heading is not None else (0, line)
+
+
+def _lines(text: str) -> Iterator[tuple[bool, str]]:
+    """Every line, and whether it is in a block of code."""
     fence = ""
     for line in text.splitlines():
         mark = _FENCE.match(line)
         if mark is not None and (not fence or mark[1].startswith(fence)):
             fence = "" if fence else mark[1]
-        heading = None if fence else _HEADING.fullmatch(line)
-        yield (len(heading[1]), heading[2]) if heading is not None else (0, line)
+        yield bool(fence), line
 
 
 def key(path: str, requirement: str) -> str:

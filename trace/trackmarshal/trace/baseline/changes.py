@@ -368,7 +368,8 @@ def _of(kind: str, name: str, before: Entry, now: Entry, missed: bool) -> Iterat
             else ""
         )
         weaker = bool(why) or _weaker(kind, field, old, new)
-        told = why or ("there is none any more" if without else "")
+        lacking = without or ((kind, field) == ("section", "contents") and not new)
+        told = why or ("there is none any more" if lacking else "")
         if (kind, field) == ("test", "text") and before.get(field) == now.get(field):
             told = "what is written of it is the same, and what that stands for is not"
         yield Change(kind, name, field, *shown, weaker, listed, told, bool(why))

@@ -134,6 +134,8 @@ def _names(change: Change, before: Entry) -> Iterator[str]:
         yield from re.findall(r"[\w-]+", f"{change.before} {change.after}")
     if change.listed:
         yield from re.findall("`([^`]*)`", f"{change.before} {change.after}")
+    if change.kind == "section":
+        yield change.name.rpartition("#")[2]
     if change.kind in ("evidence", "fault", "review", "analysis"):  # what it was evidence of lacks it
         for field in ("requirements", "requirement", "link reviews", "link examines"):
             value = before.get(field, ())
