@@ -174,6 +174,10 @@ FAULTS = [
     # 30 and 31: what is said of the argument
     Fault("why there is confidence in it, said otherwise", all_of(agreed(ARGUED), swap(_ARGUMENT, "Two people found the same.", "Trust us.")), "T376", "ACP-1"),
     Fault("confidence in something else", all_of(agreed(ARGUED), swap(_ARGUMENT, "id: ACP-1, at: S-1", "id: ACP-1, at: S-3")), "T376", "ACP-1"),
+    Fault("confidence in two things under one id", all_of(agreed(ARGUED), swap(_ARGUMENT, "id: ACP-2", "id: ACP-1")), "T130", "ACP-1"),
+    Fault("two objections under one id", all_of(agreed(ARGUED), swap(_ARGUMENT, "confidence:\n", "  - {id: D-1, challenges: S-2, text: It may snow., evidence: true, owner: P-2, state: open}\nconfidence:\n")), "T130", "D-1"),
+    Fault("a template of the argument of its own", all_of(agreed(ARGUED), swap(_ARGUMENT, "defeaters:\n", "groups: All of them.\ndefeaters:\n")), "T376"),
+    Fault("templates of the argument struck", all_of(agreed(all_of(ARGUED, swap(_ARGUMENT, "defeaters:\n", "groups: All of them.\ndefeaters:\n"))), swap(_ARGUMENT, "groups: All of them.\n", "")), "T376"),
     Fault("confidence struck", all_of(agreed(ARGUED), cut(_ARGUMENT, "  - {id: ACP-2", "")), "T376", "ACP-2"),
     Fault("a challenge that is without evidence from now on", all_of(agreed(ARGUED), swap(_ARGUMENT, "evidence: true, ", "")), "T376", "D-1"),
     # 16 and 15: reviews

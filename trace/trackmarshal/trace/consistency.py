@@ -26,6 +26,9 @@ def check(project: Project) -> Iterator[Finding]:
     yield from _unique("subsystem", (s.id for s in project.subsystems))
     yield from _unique("stage", (s.id for s in project.stages))
     yield from _unique("waiver", (w.id for w in project.waivers))
+    if project.argument is not None:
+        yield from _unique("defeater", (defeater.id for defeater in project.argument.defeaters))
+        yield from _unique("confidence point", (id_ for id_, *_ in project.argument.confidence))
     yield from _twice("scenario", (s.path for s in project.scenarios))
     yield from _persons(project)
     yield from _twice("campaign", project.campaigns)
