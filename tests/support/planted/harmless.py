@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from support.planted.documents import APART
+from support.planted.documents import APART, ARGUED
 from support.planted.edits import (
     Harmless,
     add,
@@ -121,6 +121,7 @@ EDITS = [
     Harmless("a title of a rule", swap(S, '"No faster than the campus permits"', '"Speed"')),
     Harmless("a title of a test", swap(S, '"coasting"', '"rolling on"')),
     Harmless("a title of a stage", swap(V, "title: rules,", "title: rules and monitors,")),
+    Harmless("an objection, where there was none", ARGUED),
     Harmless("what faults are put into made a scenario", all_of(agreed(swap(V, f"    - {{path: {CALM}, title: {DRIVE}\n", "")), swap(V, "  campaigns:", f"    - {{path: {CALM}, title: {DRIVE}\n  campaigns:"))),
     Harmless("a title of a scenario", swap(V, "title: A calm drive", "title: Nothing happens")),
     Harmless("a title of a document", swap(R, "title: What the shuttle has to keep to", "title: Requirements")),

@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from trackmarshal.trace.baseline.content import (
     ANSWERS,
+    PLAIN_ARGUMENT,
     RAN,
     UNKNOWN,
     UNMARKED,
@@ -173,6 +174,7 @@ def changes(
 def _changes(before: Content, now: Content, missed: bool) -> Iterator[Change]:
     before = _raised(before, now)
     before, now = _put_into(before, now), _put_into(now, before)
+    before, now = ({k: e for k, e in held.items() if e != PLAIN_ARGUMENT} for held in (before, now))
     renamed = _renamed(before, now)
     listed = any(key.startswith(_GATE) for key in now)
     if listed and not any(key.startswith(_GATE) for key in before):

@@ -355,3 +355,7 @@ def _list(texts: Iterable[str]) -> list[str]:
 def _hash(text: str) -> str:
     """Of a text, however its lines are broken."""
     return hashlib.sha256(" ".join(text.split()).encode()).hexdigest()
+
+
+#: The entry of an argument that is made of the program's templates, and says of what it holds nothing that other entries do not.
+PLAIN_ARGUMENT: Entry = {"templates": _hash(repr(_said(("", "", ()))))}
