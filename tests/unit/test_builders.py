@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from typing import Any
 
 import pytest
@@ -228,3 +230,10 @@ def test_bad_arguments_are_refused(name: str, arguments: dict[str, float], code:
     assert caught.value.code == code
     assert code in builders.CODES
     assert caught.value.help
+
+
+def test_builders_are_there_where_docstrings_are_left_out() -> None:
+    """`python -OO`, or PYTHONOPTIMIZE=2 in the environment of a job: every command that reads a spec broke."""
+    asked = "from trackmarshal.testing.builders import BUILDERS; print({b.doc for b in BUILDERS.values()})"
+    done = subprocess.run([sys.executable, "-OO", "-c", asked], capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("{''}\n", "")

@@ -230,7 +230,7 @@ def _describe(builds: str, build: Callable[..., dict[str, Any]]) -> Builder:
     defaults = function.__kwdefaults__
     names = function.__code__.co_varnames[: function.__code__.co_kwonlyargcount]
     parameters = {name: Parameter(_UNITS[name], defaults.get(name), name not in defaults) for name in names}
-    return Builder(function.__name__, builds, parameters, build, function.__doc__.strip())
+    return Builder(function.__name__, builds, parameters, build, (function.__doc__ or "").strip())
 
 
 #: All builders by the name that specs use.
