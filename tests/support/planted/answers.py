@@ -89,6 +89,7 @@ def _answers_doors(held: dict[str, Any]) -> None:
     """That the planner's page is about doors, too, is in the baseline already."""
     held["content"]["evidence docs/planner.md at S-2-A"]["requirements"] = ["S-31", "S-5"]
     held["content"]["evidence docs/planner.md at S-2-A"]["unnamed"] = ["S-31", "S-5"]
+    held["content"]["evidence docs/planner.md at S-2-A"]["answers"] = ["S-31: analysis", "S-5: analysis"]
 
 
 def _anew(root: Path) -> None:
