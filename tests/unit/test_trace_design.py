@@ -127,6 +127,15 @@ def test_a_comment_that_nothing_ends_hides_the_rest_where_it_begins_a_line() -> 
         assert section(text.format(seen), "R-1") == "It plans."
 
 
+@pytest.mark.parametrize("tag", ["script", "style", "Template", 'script type="text/plain"'])
+def test_what_browsers_show_nothing_of_is_no_section(tag: str) -> None:
+    """Ended or not: what is written in scripts and styles is read by nobody."""
+    text = "# Design\n\n{}\n\n## R-1\n\nIt plans.\n"
+    assert section(text.format(f"<{tag}>"), "R-1") is None
+    assert section(f"{text.format(f'<{tag}>')}\n</{tag.split(maxsplit=1)[0]}>\n", "R-1") is None
+    assert section(text.format(f"A `<{tag}>` does."), "R-1") == "It plans."
+
+
 @pytest.mark.parametrize(
     "body", ["---\n\nIt plans.\n\n---", "### R-2\n\nIt plans.", "```\nplan()\n```", "R", "計画する。"]
 )

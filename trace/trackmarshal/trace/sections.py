@@ -13,9 +13,10 @@ from trackmarshal.trace.shapes import put_off
 from trackmarshal.trace.values import Placed
 
 _HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+#: What browsers show nothing of: comments, and elements whose contents are not for readers.
+_COMMENT = re.compile(r"<!--.*?-->|<(script|style|template)\b[^>]*>.*?</\1\s*>", re.DOTALL | re.IGNORECASE)
 #: How one begins that no end follows: at the beginning of a line, it goes on to the end of the document.
-_UNENDED = re.compile(r"[ ]{0,3}<!--(?!-?>)")
+_UNENDED = re.compile(r"^[ ]{0,3}<(?:!--(?!-?>)|(?:script|style|template)\b)", re.IGNORECASE | re.MULTILINE)
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
 #: Letters and symbols by their category, which look like blanks.
 _BLANK = "\u115f\u1160\u2800\u3164\uffa0"
@@ -65,9 +66,9 @@ def lettered(text: str) -> bool:
 
 
 def _seen(text: str) -> str:
-    """A text without comments of HTML; those that begin within a line, and that no end follows, are seen."""
+    """A text without what browsers show nothing of; what begins within a line, and no end follows, is seen."""
     text = _COMMENT.sub("", text)
-    if "<!--" not in text:
+    if _UNENDED.search(text) is None:
         return text
     lines = list(_lines(text))
     end = next((n for n, (code, line) in enumerate(lines) if not code and _UNENDED.match(line)), None)
