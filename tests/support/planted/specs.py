@@ -80,6 +80,7 @@ FAULTS = [
     Fault("a signal's range widened", swap(N, "age: s in [0, 60]", "age: s in [0, 600]"), "T372", "objects"),
     Fault("a default for what an assumption watches", swap(N, "age: s in [0, 60]", "age: s in [0, 60] default 0"), "T372", "objects"),
     Fault("a signal's field in another unit", swap(N, "age: s in [0, 60]", "age: m in [0, 60]"), "E301", "A-SEEN"),
+    Fault("what a builder gives declared in another unit", swap(N, "kappa: 1/m in", "kappa: 1/m^2 in"), "E421"),
     Fault("the order of the rulebook turned round", swap(B, "keeps_clear > speed_limit > braking", "braking > speed_limit > keeps_clear"), "T372", "campus"),
     Fault("a rulebook without a rule", swap(B, " > braking", ""), "T372", "campus"),
     # what cannot be compiled
