@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from support.drawings import Drawn
+from support.length import amount
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
@@ -28,7 +29,7 @@ from trackmarshal.trace.case.words.language import english
 from trackmarshal.trace.report.svg.boundary import picture
 
 #: Places on each side of a boundary that are asked about, and how far from it they are at least, in pixels.
-PLACES, BESIDE = 150, 1.2
+PLACES, BESIDE = amount(50, 150), 1.2
 SAID = {"satisfied": "holds", "violated": "broken", "undefined": "unknown"}
 #: A case of a rule with these two numbers, and what the picture says it is drawn with.
 Case = Callable[[float, float, Mapping[str, float]], Mapping[str, Any]]
