@@ -46,11 +46,26 @@ rule soon "Slow within two seconds"
   whenever  rising(yellow)
   within    2 s
   require   ego.v <= 30 m/s
+rule apart "Whoever is there when the flag is shown is 9 m away within two seconds"
+  whenever  rising(yellow)
+  within    2 s
+  for all   o in objects
+  require   o.x >= 9 m
+rule all_apart "At one time within two seconds, everybody is"
+  whenever  rising(yellow)
+  within    2 s
+  require   for all o in objects: o.x >= 9 m
 rule far "Never nearer than 3 m"
   for all   o in objects
   require   historically o.x >= 3 m
 """
 BEGIN = "  given  yellow = true\n  given  ego = { v: 20 m/s }\n"
+NOBODY = "  given  yellow = true\n  given  objects = []\n"
+ONE_AND_THE_OTHER = (
+    "  given  yellow = true\n  given  objects = [{ x: 5 m }, { x: 5 m }]\n  after  0.5 s\n  given  yellow = false\n"
+    "  given  objects = [{ x: 9 m }, { x: 5 m }]\n  after  0.5 s\n  given  objects = [{ x: 5 m }, { x: 9 m }]\n"
+    "  after  0.5 s\n  given  objects = [{ x: 5 m }, { x: 5 m }]\n"
+)
 FAST = "  given  yellow = false\n  given  ego = { v: 31 m/s }\n"
 
 
@@ -64,6 +79,11 @@ FAST = "  given  yellow = false\n  given  ego = { v: 31 m/s }\n"
         ("soon", f"{BEGIN.replace('20', '40')}", "open"),
         ("soon", f"{BEGIN.replace('20', '40')}  after  1 s\n  after  1.001 s\n", "violated, margin -10 m/s"),
         ("soon", f"{BEGIN.replace('20', '40')}  after  1 s\n  given  ego = {{ v: 20 m/s }}\n", "satisfied, margin 10 m/s"),
+        # A deadline under quantifiers is one for each who is there at first, by itself; one of a formula is for all of it.
+        ("apart", f"{ONE_AND_THE_OTHER}  after  1 s\n", "inactive"),
+        ("all_apart", f"{ONE_AND_THE_OTHER}  after  1 s\n", "violated, margin -4 m"),
+        ("apart", f"{NOBODY}  after  2 s\n", "inactive"),
+        ("all_apart", f"{NOBODY}", "satisfied"),
         ("far", "  given  objects = [{ x: 2 m }]\n  after  1 s\n  given  objects = [{ x: 5 m }]\n", "violated, margin -1 m"),
         ("far", "  given  objects = [{ x: 2 m }]\n  after  1 s\n  given  objects = []\n  after  1 s\n  given  objects = [{ x: 5 m }]\n",
          "satisfied, margin 2 m"),

@@ -330,6 +330,24 @@ def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path
     )
 
 
+def test_a_deadline_is_told_where_it_is_one_for_each_that_a_quantifier_ranges_over(tmp_path: Path) -> None:
+    rule, spec = rule_of(
+        tmp_path,
+        'rule r "r"\n  whenever blue_flag\n  within 2 s\n  exists o in objects where o.v < 1 m/s\n  require o.x >= 5 m\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand == (
+        "Whenever “blue flag” holds, there is at least one o in objects for which the speed of o is less than 1 m/s, such that "
+        "within 2 s at the latest, the x-coordinate of o is at least 5 m.",
+    )
+    assert [clause.kind for clause in read(rule, spec).clauses] == [
+        "whenever",
+        "each",
+        "where",
+        "within",
+        "require",
+    ]
+
+
 def test_a_table_a_zone_and_a_state_are_listed() -> None:
     made = read(shipped().rule("zone_speed_limit") or pytest.fail("the rule is gone"), shipped())
     assert [place.name for place in made.places] == ["tracks.modena.pit_lane"]

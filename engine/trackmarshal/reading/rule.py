@@ -98,8 +98,9 @@ def read(rule: RuleInfo, spec: Spec, declared: Spec | None = None, expand: bool 
 
 
 def _clauses(rule: typed.Rule, writing: Formulas) -> Iterator[Shown]:
-    """In the order written; whatever stands below a quantifier or a condition is moved in."""
-    depth = 0
+    """In the order written; whatever stands below a quantifier or a condition is moved in. A deadline stands at what is demanded in time: it is one for
+    each that the quantifiers range over."""
+    depth, deadline = 0, None
     for clause in rule.clauses:
         match clause:
             case typed.Along():
@@ -110,7 +111,7 @@ def _clauses(rule: typed.Rule, writing: Formulas) -> Iterator[Shown]:
                 yield Shown("whenever", depth, writing.formula(clause.condition))
                 depth += 1
             case typed.Deadline():
-                yield Shown("within", depth, writing.number(clause.limit))
+                deadline = writing.number(clause.limit)
             case typed.ForEach():
                 writing.keep(clause.range)
                 yield Shown("each", depth, writing.quantifier(clause.quantifier, clause.range, clause.by))
@@ -123,6 +124,8 @@ def _clauses(rule: typed.Rule, writing: Formulas) -> Iterator[Shown]:
                 value = writing.value(clause.value)
                 yield Shown("let", depth, _equal(writing.let(clause.name), value, clause.value))
             case typed.Require():
+                if deadline is not None:
+                    yield Shown("within", depth, deadline)
                 yield Shown(clause.keyword, depth, writing.formula(clause.condition))
             case _:
                 assert_never(clause)

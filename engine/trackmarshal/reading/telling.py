@@ -52,7 +52,7 @@ def _names(reached: Sequence[typed.Typed]) -> Iterator[str]:
 def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
     """One sentence of all clauses, and another one of what is called how in it."""
     words, heads, meant = said.words, list[str](), list[str]()
-    body, existing = "", False
+    body, existing, deadline = "", False, ""
     for clause in rule.clauses:
         match clause:
             case typed.Along():
@@ -64,7 +64,7 @@ def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
             case typed.Whenever():
                 heads.append(words.whenever.format(a=said.formula(clause.condition, TOGETHER)))
             case typed.Deadline():
-                heads.append(words.deadline.format(a=said.number(clause.limit, ADDED)))
+                deadline = words.deadline.format(a=said.number(clause.limit, ADDED))
             case typed.ForEach():
                 heads.append(said.quantifier(clause.quantifier, clause.range, clause.where, clause.by))
                 existing = clause.quantifier == "exists"
@@ -78,6 +78,10 @@ def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
                 body = said.formula(clause.condition)
             case _:
                 assert_never(clause)
+    if deadline and any(isinstance(clause, typed.ForEach) for clause in rule.clauses):  # of each by itself
+        body = f"{deadline}{words.comma}{body}"
+    elif deadline:
+        heads.append(deadline)
     head = words.comma.join(heads)
     whole = body if not heads else (words.existing if existing else words.colon).format(a=head, b=body)
     yield _sentence(whole)
