@@ -33,6 +33,15 @@ def test_a_chain_ends(signal: str, clause: str, start: str, given: object, backe
     assert result.margin == 1e70 - 1.5 * 2.0**DEEP
 
 
+@pytest.mark.parametrize("backend", ["reference", "numpy", pytest.param("c", marks=NEEDS_C)])
+def test_a_number_that_a_count_is_compared_with_ends(backend: str) -> None:
+    limit = f"{'(' * 60}one{')^2' * 60}"
+    spec = loads(f"module m\nevent e\nparam one : 1 = 1\nrule r\n  require count(e) <= {limit}\n")
+    evaluator = Evaluator(spec, None, backend)
+    result = evaluator.over_run().step(evaluator.read({"t": 0.0, "signals": {"e": True}})).rules["r"]
+    assert (result.verdict, result.margin) == ("satisfied", 0.0)
+
+
 def test_it_is_solved_and_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, count = tmp_path / "chain.spec", 40
     chain = "".join(f"  let a{i} = a{i - 1} + a{i - 1}\n" for i in range(1, count + 1))
