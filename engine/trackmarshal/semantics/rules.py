@@ -211,7 +211,14 @@ class RuleBuilder:
                     self._problem(clause, "rules rely on an assumption: its monitor decides", hint)
         bound = False
         for clause in item.clauses:
-            if isinstance(clause, ast.Bind):
+            if (
+                isinstance(clause, _SCENE)
+                and requires
+                and clause.__dict__["span"].start > requires[0].span.start
+            ):
+                problem = "this clause comes after the condition that it is about"
+                self._problem(clause, problem, "move it before the condition")
+            elif isinstance(clause, ast.Bind):
                 bound = True
             elif isinstance(clause, ast.Along) and bound:
                 self._problem(clause, "`along` comes before the quantifiers", "move it up")
@@ -232,13 +239,6 @@ class RuleBuilder:
                     )
             elif isinstance(clause, ast.Whenever) and bound:
                 self._problem(clause, "`whenever` comes before the quantifiers", "move it up, or use `where`")
-            if requires and clause is not requires[0] and isinstance(clause, _SCENE):
-                if clause.__dict__["span"].start > requires[0].span.start:
-                    self._problem(
-                        clause,
-                        "this clause comes after the condition that it is about",
-                        "move it before the condition",
-                    )
 
     def _problem(self, clause: ast.Clause, problem: str, hint: str, first: Span | None = None) -> None:
         self.x.found.append(ClauseProblem(clause.__dict__["span"].head, problem, hint, first))
@@ -267,7 +267,9 @@ class RuleBuilder:
         made: list[typed.Clause] = []
         ctx, failed = self.ctx, False
         quantifier: typed.ForEach | None = None
-        clauses = [c for c in item.clauses if isinstance(c, (*_SCENE, ast.Require))]
+        # Of those that stand below the condition that is said; what they bind is known in it all the same.
+        scene = [c for c in item.clauses if isinstance(c, _SCENE)]
+        clauses = [*scene, *(c for c in item.clauses if isinstance(c, ast.Require))]
         mentioned = [names_in(clause) for clause in clauses]
         #: By name, how many clauses mention it.
         mentions = Counter(name for names in mentioned for name in names)
