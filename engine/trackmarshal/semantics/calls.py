@@ -278,7 +278,7 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, i
         shape = _shape(self, parameter, inner)
         wanted_fields = f"something with {', '.join(shape)} for `{name}: {kind}`"
         if not isinstance(value, typed.RecordNode):
-            self.fail(WrongKind(span, wanted_fields, value_spoken(value)))
+            self.fail(WrongKind(span, wanted_fields, value_spoken(value), _one_of(value)))
         lacking = _lacking(value, shape)
         if lacking:
             self.fail(WrongKind(span, wanted_fields, value_spoken(value), lacking))
@@ -447,11 +447,23 @@ def _special(
 def shaped(self: Expressions, value: typed.Value, shape: str, span: Span) -> typed.Record:
     """A value that is a record with the fields that a shape names."""
     if not isinstance(value, typed.RecordNode):
-        self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value)))
+        self.fail(
+            WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value), _one_of(value))
+        )
     hint = _lacking(value, SHAPES[shape])
     if hint:
         self.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value), hint))
     return value
+
+
+def _one_of(value: typed.Value) -> str:
+    """How one of a whole set, or a sample of a timeline, is named; empty for what is neither."""
+    if not isinstance(value, typed.SignalNode) or not (value.signal.many or value.signal.sequence):
+        return ""
+    each = "o" if value.signal.many else "p"
+    return (
+        f"this is all of them: bind each by `for all {each} in {value.signal.name}`, and write `{each}` here"
+    )
 
 
 def _lacking(value: typed.Record, shape: typed.Shape) -> str:
@@ -596,6 +608,18 @@ def unit_hint(value: typed.Number, wanted: Dimension, declared: str = "") -> str
     if literal[2] == "km" and wanted == SPEED:
         unit = "km/h"
     return f"write a unit of {name(wanted)}, such as `{literal[1]} {unit}`"
+
+
+def unit_of_factor(value: typed.Number, wanted: Dimension) -> str:
+    """What to write for `pit * 1.1 km/h`, where a speed is wanted and `pit` is one; empty for what is no such product."""
+    if not isinstance(value, typed.Arithmetic) or value.op not in ("*", "/"):
+        return ""
+    factors = ((value.right, value.left), (value.left, value.right))[: 2 if value.op == "*" else 1]
+    for factor, other in factors:
+        literal = _LITERAL.fullmatch(factor.span.text.strip())
+        if literal and literal[2] and isinstance(factor, typed.Literally) and other.dimension == wanted:
+            return f"a factor has no unit: `{literal[1]}`"
+    return ""
 
 
 def _spoken(value: typed.Value) -> str:

@@ -465,9 +465,14 @@ class Expressions:
         def number(value: typed.Value, side: ast.Expr) -> typed.Number | typed.Count:
             return value if isinstance(value, typed.Count) else self._numeric(value, side)
 
-        left, right = self.all(left_side, right_side)
+        sides: list[typed.Value] = self.all(left_side, right_side)
+        left, right = sides
         if isinstance(left, typed.FormulaNode) and isinstance(right, typed.FormulaNode):
             self.fail(WrongKind(_span(expr.left), "a number", "a formula", _of_formulas(expr)))
+        if isinstance(left, typed.RecordNode) and isinstance(right, typed.RecordNode):
+            self.fail(
+                WrongKind(_span(expr.left), "a number", value_spoken(left), _of_records(expr, left, right))
+            )
         return self.all(lambda: number(left, expr.left), lambda: number(right, expr.right))
 
     def _limit(self, number: typed.Number) -> typed.Number:
@@ -535,6 +540,9 @@ class Expressions:
         hint = calls.decimal_comma(left.span, right.span)
         hint = hint or calls.unit_hint(right, left.dimension, left.written)
         hint = hint or calls.unit_hint(left, right.dimension, right.written)
+        hint = (
+            hint or calls.unit_of_factor(left, right.dimension) or calls.unit_of_factor(right, left.dimension)
+        )
         hint = hint or _factor(left.dimension, right.dimension, *sides)
         ours, theirs = quantity(left.dimension), quantity(right.dimension)
         # Where a unit is missing, it is missing there, and no declaration is to blame.
@@ -829,6 +837,16 @@ def _of_formulas(expr: ast.Binary) -> str:
     if isinstance(expr.right, ast.Boolean):
         return f"write `{left}`" if expr.right.value == (expr.op == "==") else f"write `not ({left})`"
     return f"write `({left}) {'iff' if expr.op == '==' else 'xor'} ({right})`"
+
+
+def _of_records(expr: ast.Binary, left: typed.Record, right: typed.Record) -> str:
+    """What to write for two elements, or an element and a state, between which `!=` stands."""
+    ours, theirs = (_span(side).text for side in (expr.left, expr.right))
+    for field, kind in left.shape.items():
+        if right.shape.get(field) == kind and isinstance(kind, tuple):
+            limit = f"{'<=' if expr.op == '==' else '>'} 0.1 {show(kind)}".removesuffix(" 1")
+            return f"compare fields of theirs, such as `abs({ours}.{field} - {theirs}.{field}) {limit}`"
+    return "compare fields of theirs"
 
 
 def _declared(number: typed.Number, own: str, other: str) -> tuple[str, Span, str, str] | None:

@@ -135,7 +135,12 @@ def _of_other(node: ir.AnyNode) -> OverRunProblem | None:
     for child in ir.operands(node) if isinstance(node, (ir.Num, ir.Formula)) else ():
         for part in outside_machines(child):
             if isinstance(part, ir.Remembered):
-                what = "a sample" if isinstance(node, ir.Quantify) else "a number"
+                nearest = any(
+                    isinstance(fold, ir.Fold) and fold.op == "nearest" and part in outside_machines(fold)
+                    for fold in outside_machines(child)
+                )
+                what = "which element is nearest" if nearest else "a number"
+                what = "a sample" if isinstance(node, ir.Quantify) else what
                 hint = (
                     "only formulas, and quantifiers over sets, can be put together from what was or will be"
                 )

@@ -157,12 +157,17 @@ class Scope:
         modules = self._elsewhere(name, what, self.module)
         if name.lower() in ("true", "false"):
             hint = f"write `{name.lower()}`"
-        if name == "between" and what == "function":
-            hint = "write `x in [a, b]`"
+        if what == "function":
+            hint = _FOREIGN.get(name, hint)
         hint = _unit_with_blanks(name, span) or hint or "declare it, or `use` the module that declares it"
         return UnknownName(span, what, name, hint, modules)
 
 
+#: Functions of other languages, and what to write.
+_FOREIGN = {
+    "between": "write `x in [a, b]`", "len": "write `count(o in objects)`", "size": "write `count(o in objects)`",
+    "changes": "say what begins to hold, as in `rising(race.flag is a)`", "changed": "say what begins to hold, as in `rising(race.flag is a)`",
+}  # fmt: skip
 _QUOTIENT = re.compile(
     rf"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*({UNIT_PATTERN}(?:/{UNIT_PATTERN})*)?[ \t]*/[ \t]*\Z"
 )

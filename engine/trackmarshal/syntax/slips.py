@@ -56,6 +56,9 @@ _PAIRS = tuple(
         (",|and", r"\n[ \t]+(?:for[ \t]+all|exists)[ \t]+\w+[ \t]+in[ \t]+\w+", "each quantifier is a clause of its own, in the next line"),
         ("else", r"\bimplies\b[^\n]*", "`implies` has no `else`: write `(a implies b) and (not a implies c)`"),
         ("of", r"[0-9][ \t]*%", "a share of something is a product: write `*`"),
+        ("of", r"\bcase[ \t]+([\w.]+)", r"cases stand in braces, without `of`: `case \1 { a: ..., b: ... }`"),
+        (".*", r"\b([a-z][\w.]*)[ \t]+change[sd]?(?:[ \t]+to)?", r"say what begins to hold, as in `rising(\1 is a)`"),
+        ("becomes", r"\b(?:when|whenever|require|and|or|not)[ \t]+([a-z][\w.]*)", r"say what begins to hold, as in `rising(\1 is a)`"),
         ("[<>]=?|[=!]=", r"\bis", "leave out `is`"),
         (".*", r"\bat[ \t]+most", "write `<=`"),
         (".*", r"\bat[ \t]+least", "write `>=`"),
@@ -166,6 +169,10 @@ def _habit(text: str, start: int, found: str, before: str, expected: set[str]) -
         r"\b(rising|falling|count)[ \t]+\w+\s*\Z", before
     ):  # read as what `rising` does to something
         return f"what `{alone[1]}` is about stands in parentheses: `{alone[1]}(...)`"
+    if found in ("previous", "next") and "MINUS" in expected and "NOT" not in expected:
+        return f"of a number there is no `{found}`: samples are compared by `for all consecutive p, q in plan`, and a state may `remember` the number of a cycle"
+    if "AND" in expected and not line.strip() and re.match(r"[a-z]\w*\.[a-z]\w*", text[start : start + 80]):
+        return "a clause begins with its word, and conditions are joined with `and`"
     if found == "+" and "MINUS" in expected:
         return "a number has no plus sign: leave it out"
     if found == "%" and "TIMES" in expected:
