@@ -183,11 +183,49 @@ def test_tests_that_were_left_out_in_the_words_of_other_runners(tmp_path: Path, 
     [
         ('skipped="true"', "skipped"), ('ignored="True"', "skipped"), ('disabled="1"', "skipped"), ('executed="False"', "skipped"), ('success="false"', "failed"),
         ('passed="no"', "failed"), ('failed="true"', "failed"), ('skipped="perhaps"', "error"), ('skipped="false" executed="True" success="True"', "passed"),
+        ('outcome="failed"', "failed"), ('verdict="FAIL"', "failed"), ('conclusion="success"', "passed"), ('outcome="timed out"', "error"), ('aborted="true"', "failed"),
+        ('timedout="1"', "failed"), ('status="Inconclusive"', "skipped"),
     ],
 )  # fmt: skip
 def test_what_an_attribute_says_of_a_test(tmp_path: Path, said: str, outcome: str) -> None:
     (test,) = read(tmp_path, f'<testsuite><testcase name="x" {said}/></testsuite>')
     assert test.outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("says", "refused"),
+    [
+        ('result="failed"', True), ('status="aborted"', True), ('outcome="Failure"', True), ('success="false"', True), ('verdict="skipped"', True),
+        ('aborted="true"', True), ('timeouts="1"', True), ('failed="1"', True), ('error="1"', True), ('errors="1"', True), ('flakes="1"', True),
+        ('result="passed" status="run" aborted="false" timeouts="0" failed="0" success="1" passed="1"', False), ('passed="0"', False),
+    ],
+)  # fmt: skip
+def test_what_a_suite_alone_says_of_its_tests(tmp_path: Path, says: str, refused: bool) -> None:
+    """A run that broke off, or failed as a whole, is no evidence; where a test of it says so too, that one has failed."""
+    ran, broke = '<testcase name="x"/>', '<testcase name="y"><failure/></testcase>'
+    for outer in ("<testsuite {}>{}</testsuite>", "<testsuites {}><testsuite>{}</testsuite></testsuites>"):
+        if refused:
+            with pytest.raises(TrackmarshalError, match="suite") as caught:
+                read(tmp_path, outer.format(says, ran))
+            assert caught.value.code == "T335"
+        else:
+            assert [test.outcome for test in read(tmp_path, outer.format(says, ran))] == ["passed"]
+        if "skipped" not in says:
+            assert [test.outcome for test in read(tmp_path, outer.format(says, ran + broke))] == [
+                "passed",
+                "failed",
+            ]
+
+
+@pytest.mark.parametrize("succeeded", ["true", "false"])
+def test_ginkgo_says_of_a_suite_that_it_ran_out_of_time(tmp_path: Path, succeeded: str) -> None:
+    inner = f'<properties><property name="SuiteSucceeded" value="{succeeded}"/></properties><testcase name="x" status="passed"/>'
+    report = f'<testsuites tests="1" errors="0" failures="0"><testsuite name="Door" tests="1">{inner}</testsuite></testsuites>'
+    if succeeded == "true":
+        assert [test.outcome for test in read(tmp_path, report)] == ["passed"]
+        return
+    with pytest.raises(TrackmarshalError, match="SuiteSucceeded"):
+        read(tmp_path, report)
 
 
 def test_entities_are_refused_before_they_grow(tmp_path: Path) -> None:

@@ -28,6 +28,8 @@ VERIFIES = "verifies"
 #: The property by which a test says what it came to where a report has no element for that: pytest writes of one that was expected to fail, and passed,
 #: as of any other that passed.
 OUTCOME = "trackmarshal-outcome"
+#: The property by which Ginkgo says of a suite whether it passed: it may run out of time, or be focused, without a test that failed.
+_SUCCEEDED = "SuiteSucceeded"
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
@@ -169,6 +171,8 @@ class _Reader:
                 self._here().extend(ids_in(value or self._text))
             elif called == OUTCOME and self._case is not None:
                 self._case.status(OUTCOME, value)
+            elif called == _SUCCEEDED and self._case is None and value != "true":
+                self._suites[-1].status(_SUCCEEDED, value)
             self._property = None
         elif name in _SAYS and self._case is not None:
             self._case.explain(self._text)

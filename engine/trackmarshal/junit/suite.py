@@ -9,7 +9,7 @@ from trackmarshal.records import ExternalTest
 
 #: What `status` and `result` say of a test: GoogleTest, CTest and others write one even where nothing failed.
 _PASSED = frozenset({"", "run", "passed", "pass", "success", "successful", "completed", "ok", "executed"})
-_NOT_RUN = frozenset({"notrun", "disabled", "skipped", "suppressed", "pending", "ignored", "todo"})
+_NOT_RUN = frozenset({"notrun", "disabled", "skipped", "suppressed", "pending", "ignored", "todo", "inconclusive"})  # fmt: skip
 _FAILED = frozenset({"fail", "failed", "failure"})
 #: What suites call tests that were not run, beside `skipped` and `disabled`: nose, pytest of old, and adapters of other frameworks.
 _LEFT_OUT = (
@@ -25,10 +25,15 @@ _LEFT_OUT = (
     "inconclusive",
     "todo",
 )
+#: What suites call tests that failed, beside `failures` and `errors`, which other runners add up; some count the same tests twice.
+_BROKEN = ("failed", "failure", "error", "aborted", "crashed", "timeouts", "timedout", "timed_out", "flakes", "flaky")  # fmt: skip
+#: Attributes whose word says what came of a test, or of a suite.
+_WORDS = ("status", "result", "outcome", "verdict", "conclusion")
 #: Attributes by which some say yes or no of a test, and what came of it where they say so.
 _FLAGS = {
     "skipped": (True, "skipped"), "ignored": (True, "skipped"), "disabled": (True, "skipped"), "executed": (False, "skipped"),
     "success": (False, "failed"), "passed": (False, "failed"), "failed": (True, "failed"),
+    "aborted": (True, "failed"), "crashed": (True, "failed"), "timedout": (True, "failed"), "timed_out": (True, "failed"),
 }  # fmt: skip
 _YES, _NO = frozenset({"true", "1", "yes"}), frozenset({"false", "0", "no"})
 #: What Catch2 writes of hosts, in versions 2 and 3.
@@ -73,9 +78,22 @@ class Suite:
         self._inner = False
         if above is not None:
             above._inner = True
-        counts = ("tests", "failures", "errors", *_LEFT_OUT)
+        counts = ("tests", "failures", "errors", *_BROKEN, *_LEFT_OUT)
         self._said = {name: _count(attributes, name) for name in counts}
         self._counts = "tests" in attributes
+        #: What it says came of it where that is no pass, with where it says so and the word.
+        self._itself: list[tuple[str, str]] = []
+        for name in _WORDS:
+            self.status(name, attributes.get(name, ""))
+        for name in ("success", "passed"):  # numbers of tests with other runners
+            if attributes.get(name, "").strip().lower() in ("false", "no"):
+                self._itself.append(("failed", f"`{name}` `{attributes[name]}`"))
+
+    def status(self, name: str, word: str) -> None:
+        """What came of it as a whole, by a word for that."""
+        outcome = _outcome(word)
+        if outcome != "passed":
+            self._itself.append((outcome, f"`{name}` `{word}`"))
 
     def count(self, case: Case) -> None:
         """A test of it, or of a suite in it, is closed."""
@@ -91,7 +109,7 @@ class Suite:
         if said["tests"] > self.tests and not self.asserts and self._root != _PYTEST:
             help_ = _PENDING if self._root == "Mocha Tests" else AGAIN
             return f"the suite `{self.name}` says it has {said['tests']} tests, and lists {self.tests}", help_
-        bad = said["failures"] + said["errors"]
+        bad = max(said["failures"] + said["errors"], *(said[name] for name in _BROKEN))
         if bad > self.failing:
             help_ = _SHOULD_FAIL if self.asserts else AGAIN
             return f"the suite `{self.name}` says that {bad} tests failed, and lists {self.failing}", help_
@@ -102,6 +120,11 @@ class Suite:
                 f"the suite `{self.name}` says that {left_out} tests were skipped, and lists {self.skipping}"
             )
             return message, help_
+        for outcome, what in self._itself:
+            contrary = self.tests > self.skipping if outcome == "skipped" else not self._broken
+            if contrary:
+                others = "tests that ran" if outcome == "skipped" else "no test that failed"
+                return f"the suite `{self.name}` says of itself {what}, and lists {others}", AGAIN
         return "", ""
 
     def to_do(self) -> bool:
@@ -134,7 +157,7 @@ class Case:
         self.failing = 0  #: how many failures and errors it names: some runners list several
         self.skips = 0  #: how often anything says that it was skipped, whatever else came of it
         self.excused = False  #: whether it was expected to fail
-        for name in ("status", "result"):
+        for name in _WORDS:
             self.status(name, attributes.get(name, ""))
         for name in _FLAGS.keys() & attributes.keys():
             self._flag(name, attributes[name])
@@ -144,13 +167,11 @@ class Case:
 
     def status(self, name: str, word: str) -> None:
         """What it came to, by a word for that."""
-        status = word.strip().lower()
-        if status in _NOT_RUN:
-            self.skips += 1
-            self._set("skipped", "")
-        elif status in _FAILED or status == "error":
-            self._set("error" if status == "error" else "failed", "")
-        elif status not in _PASSED:
+        outcome = _outcome(word)
+        self.skips += outcome == "skipped"
+        if outcome:
+            self._set(outcome, "")
+        else:
             self._set("error", f"its {name} is `{word}`, of which it is not known whether that is a pass")
 
     def _flag(self, name: str, word: str) -> None:
@@ -204,10 +225,22 @@ class Case:
         )  # fmt: skip
 
 
+def _outcome(word: str) -> str:
+    """What a word for what came of something means; empty where that is not known."""
+    status = word.strip().lower()
+    if status in _NOT_RUN:
+        return "skipped"
+    if status in _FAILED or status == "error":
+        return "error" if status == "error" else "failed"
+    return "passed" if status in _PASSED else ""
+
+
 def _count(attributes: Mapping[str, str], name: str) -> int:
     text = attributes.get(name, "").strip()
-    if not text:
+    if not text or text.lower() in ("false", "no"):
         return 0
+    if name in _BROKEN and text.lower() in ("true", "yes"):
+        return 1
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(f"`{name}` of a suite is `{text[:40]}`, no number of tests")
     return int(text)
