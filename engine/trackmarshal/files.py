@@ -6,6 +6,7 @@ import contextlib
 import errno
 import hashlib
 import os
+import re
 import stat
 from collections.abc import Container
 from pathlib import Path
@@ -13,6 +14,11 @@ from typing import BinaryIO
 
 #: Entries below a folder that are looked at; a link to the root of a disk has more.
 MOST_ENTRIES = 200_000
+
+#: What git writes before and behind both sides of what it could not merge.
+_SIDES = [re.compile(sign + rb"{7}(?:[ \t\r][^\n]*)?$", re.MULTILINE) for sign in (rb"^<", rb"^>")]
+UNMERGED = "git left a merge to be settled by hand here, and nobody did"
+SETTLE = "keep what is right of both sides, and take the lines `<<<<<<<`, `=======` and `>>>>>>>` out"
 
 _KINDS = (
     (stat.S_ISFIFO, "a named pipe"),
@@ -68,6 +74,13 @@ def digest(data: bytes) -> str:
             data.decode("utf-8")
             data = data.replace(b"\r\n", b"\n")
     return hashlib.sha256(data).hexdigest()
+
+
+def unmerged(data: bytes) -> int:
+    """The line of a text from which on git left both sides of a merge; 0 where there is none."""
+    begun, ended = _SIDES
+    found = begun.search(data)
+    return data.count(b"\n", 0, found.start()) + 1 if found and ended.search(data, found.end()) else 0
 
 
 def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSError]]:

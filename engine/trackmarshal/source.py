@@ -7,7 +7,7 @@ from bisect import bisect_right
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular
+from trackmarshal.files import SETTLE, UNMERGED, read_regular, unmerged
 
 #: The largest spec file that is read. 10,000 lines are about 0.6 MB.
 MAX_BYTES = 4_000_000
@@ -28,6 +28,11 @@ CODES = {
         "almost the name of a spec",
         "The file's suffix differs from .spec only by upper and lower case, so `use` would not find it and half of all systems would not read "
         "it. It is refused rather than left out: a rule less would read as safe.",
+    ),
+    "E008": (
+        "a merge that is unfinished",
+        "Both sides of what git could not merge stand in the file, between lines that begin with `<<<<<<<`, `=======` and `>>>>>>>`. Which of them "
+        "holds is for people to say, so nothing of the file is read until then.",
     ),
     "E005": (
         "a control character in the file",
@@ -131,7 +136,7 @@ NOWHERE = Span(SourceFile("<built-in>", ""), 0, 0)
 
 
 def decode(path: str, data: bytes) -> SourceFile:
-    """Bytes to a SourceFile; raises E003, E004 or E005 with the line."""
+    """Bytes to a SourceFile; raises E003, E004, E005 or E008 with the line."""
     if not data.strip(b"\xef\xbb\xbf \t\r\n"):
         raise TrackmarshalError(
             "E003", "the file is empty", file=path, line=1, help="a spec file starts with `module NAME`"
@@ -144,6 +149,8 @@ def decode(path: str, data: bytes) -> SourceFile:
         raise TrackmarshalError(
             "E004", message, file=path, line=line, help="save the file as UTF-8"
         ) from error
+    if line := unmerged(data):
+        raise TrackmarshalError("E008", UNMERGED, file=path, line=line, help=SETTLE)
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     odd = _CONTROL.search(text)
     if odd is not None:
@@ -154,7 +161,7 @@ def decode(path: str, data: bytes) -> SourceFile:
 
 
 def read(path: Path, shown: str | None = None) -> SourceFile:
-    """Read a spec file; raises E001 to E005. `shown` is the path that reports print."""
+    """Read a spec file; raises E001 to E005, E008. `shown` is the path that reports print."""
     name = shown or str(path)
     try:
         data = read_regular(path, MAX_BYTES + 1)
@@ -167,7 +174,7 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
 
 
 def of_text(text: str, shown: str = TEXT) -> SourceFile:
-    """A text in memory as a spec file; raises E002 to E005."""
+    """A text in memory as a spec file; raises E002 to E005, E008."""
     return _within(shown, text.encode("utf-8", "surrogatepass"))  # half a character is no UTF-8: E004
 
 

@@ -16,12 +16,14 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular
+from trackmarshal.files import UNMERGED, read_regular, unmerged
 
 FILE = "evidence.jsonl"
 #: The largest store that is read.
 MAX_BYTES = 512_000_000
 KINDS = ("test", "run", "fault", "external", "comparison")
+#: How lines begin that git writes around the sides of what it could not merge.
+_SIDES = (b"<<<<<<<", b"|||||||", b"=======", b">>>>>>>")
 _HEAD, _ID = b'{"id": "', 64
 #: From where on a line is hashed: behind its id, the quote, comma and space after it.
 _REST = len(_HEAD) + _ID + 3
@@ -136,8 +138,11 @@ class Store:
             return
         except OSError as error:
             raise _refused(self.path, error.strerror or str(error)) from error
+        sides = unmerged(data)  # entries of both of them hold
+        if sides:
+            self.broken.append(Broken(sides, UNMERGED))
         for number, line in enumerate(data.split(b"\n"), 1):
-            if line.strip():
+            if line.strip() and not (sides and line.startswith(_SIDES)):
                 entry = _entry(
                     line.removesuffix(b"\r"), number
                 )  # a checkout may have made it of two characters

@@ -13,6 +13,14 @@ import pytest
 
 from support.project import copy_project, run_command
 from support.shared import REPOSITORY
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import UNMERGED, unmerged
+from trackmarshal.scenarios.generate import document
+from trackmarshal.source import decode
+from trackmarshal.store import FILE, Entry, Store
+from trackmarshal.trace import tree
+from trackmarshal.trace.baseline import file as baseline_file
+from trackmarshal.trace.findings import Finding
 
 GOOD = 'module {name}\nsignal ego : state {{ v: m/s }}\nrule {name} "{name}"\n  require ego.v < 3 m/s\n'
 RECORDING = REPOSITORY / "specs" / "scenarios" / "free_lap.tmrec.jsonl"
@@ -164,3 +172,48 @@ def test_what_is_no_regular_file_is_refused_and_never_waited_for(
     assert status == 2, (out, err)
     assert f"error[{code}]" in out + err
     assert code == "E410" or "not a regular file" in out + err
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("name", ["a.spec", "requirements.yaml", "scenario.yaml", "baseline.json", "evidence.jsonl"])  # fmt: skip
+def test_a_merge_that_nobody_finished_is_called_so(name: str, end: str, tmp_path: Path) -> None:
+    """Wherever git leaves both sides, whatever the text would be said to be otherwise; and it is said once."""
+    lines = ["a", "<<<<<<< HEAD", "b", "||||||| 1a2b3c4", "=======", "c", ">>>>>>> theirs", "<<<<<<< HEAD", "=======", ">>>>>>> theirs", ""]  # fmt: skip
+    (tmp_path / name).write_bytes(end.join(lines).encode())
+    data = (tmp_path / name).read_bytes()
+    told: list[tuple[str, int | None]] = []
+    found: list[Finding] = []
+    try:
+        match name:
+            case "a.spec":
+                decode(name, data)
+            case "requirements.yaml":
+                tree.parse(data, name, found)
+                told = [(one.message, one.place.line) for one in found if one.place]
+            case "scenario.yaml":
+                document.read(data, name)
+            case "baseline.json":
+                baseline_file.read(tmp_path / name)
+            case _:
+                told = [(one.why, one.line) for one in Store(tmp_path).broken if one.why == UNMERGED]
+    except TrackmarshalError as error:
+        told = [(error.message, error.line)]
+    except ValueError as refused:
+        told = [(str(refused).removeprefix("line 2: "), 2)]
+    assert told == [(UNMERGED, 2)]
+
+
+def test_both_sides_of_an_unfinished_merge_of_the_store_hold(tmp_path: Path) -> None:
+    one, two = (Entry("test", name, {}, {}, "tool", "c0ffee", "here", "2026-01-01") for name in "ab")
+    lines = [b"<<<<<<< HEAD", one.text(), b"=======", two.text(), b">>>>>>> theirs", b""]
+    (tmp_path / FILE).write_bytes(b"\n".join(lines))
+    store = Store(tmp_path)
+    assert [(broken.line, broken.why) for broken in store.broken] == [(1, UNMERGED)]
+    assert all(store.latest("test", name) is not None for name in "ab")
+
+
+@pytest.mark.parametrize(
+    "text", ["a\n=======\nb\n", "<<<<<<<\n", ">>>>>>> a\n<<<<<<< b\n", " <<<<<<< a\n >>>>>>> b\n", "<<<<<<<<\n>>>>>>>>\n"]
+)  # fmt: skip
+def test_what_is_no_conflict_of_a_merge(text: str) -> None:
+    assert unmerged(text.encode()) == 0

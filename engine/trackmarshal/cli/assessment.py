@@ -14,6 +14,7 @@ from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts, facts
 from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
+from trackmarshal.files import SETTLE, UNMERGED
 from trackmarshal.records import FaultResult, RunSummary, TestResult
 from trackmarshal.store import Entry
 
@@ -226,8 +227,9 @@ def _of_store(answers: Answers, root: Path) -> list[Finding]:
     path = answers.store.path
     shown = path.relative_to(root).as_posix() if path.is_relative_to(root) else str(path)
     found = [
-        error("T293", f"an entry of the evidence store was changed or cut: {why}", Place(shown, line),
-              "remove the line, and what it was the evidence of is run again", subject)
+        error("T293", UNMERGED, Place(shown, line), SETTLE) if why is UNMERGED
+        else error("T293", f"an entry of the evidence store was changed or cut: {why}", Place(shown, line),
+                   "remove the line, and what it was the evidence of is run again", subject)
         for line, why, subject in answers.store.broken
     ]  # fmt: skip
     for entry, what in answers.unlike:

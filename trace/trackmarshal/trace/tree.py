@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from trackmarshal.files import read_regular
+from trackmarshal.files import SETTLE, UNMERGED, read_regular, unmerged
 from trackmarshal.trace.findings import Finding, Place, error
 
 #: The largest requirements file that is read; 10,000 requirements are about 6 MB.
@@ -117,6 +117,9 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
                 "start with `document: requirements`, or delete it",
             )
         )
+        return None
+    if begins := unmerged(data):
+        found.append(error("T105", UNMERGED, Place(shown, begins), SETTLE))
         return None
     turn = _TURNS.search(text)
     if turn is not None:

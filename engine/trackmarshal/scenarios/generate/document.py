@@ -9,6 +9,7 @@ from itertools import chain
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import SETTLE, UNMERGED, unmerged
 from trackmarshal.scenarios import content
 
 #: Declarations are short; a long one is something else.
@@ -28,6 +29,8 @@ def read(data: bytes, shown: str) -> Item:
         message = f"{len(data)} bytes, declarations have at most {MAX_BYTES}"
         raise TrackmarshalError("D124", message, file=shown, help="is this a declaration?")
     text = content.text(data, shown)
+    if begins := unmerged(data):
+        raise TrackmarshalError("D150", UNMERGED, file=shown, line=begins, help=SETTLE)
     try:
         try:
             node = _composed(text, shown, yaml.CSafeLoader)

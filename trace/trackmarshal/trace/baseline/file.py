@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular, write_whole
+from trackmarshal.files import UNMERGED, read_regular, unmerged, write_whole
 from trackmarshal.records import strict
 from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content, carried
@@ -121,7 +121,10 @@ def load(root: Path, project: Project, found: list[Finding]) -> Baseline | None:
     except (OSError, ValueError, RecursionError) as problem:
         said = problem.strerror if isinstance(problem, OSError) else str(problem) or type(problem).__name__
         message = f"the baseline cannot be read: {said}"
-        found.append(error("T220", message, Place(str(named)), "restore it from version control"))
+        help_ = "restore it from version control"
+        if UNMERGED in message:
+            help_ = "take the whole file of one side, such as by `git checkout --ours`, and accept what is there now"
+        found.append(error("T220", message, Place(str(named)), help_))
         return None
     if made.acceptances[-1].after != digest(made.content):
         message = "the baseline is not what was accepted last: it was changed by hand, or merged"
@@ -134,7 +137,10 @@ def read(path: Path) -> Baseline:
     """The baseline in a file; raises OSError, ValueError or RecursionError for what is none."""
     if path.stat().st_size > MAX_BYTES:
         raise ValueError(f"larger than {MAX_BYTES // 1_000_000} MB")
-    return checked(strict(read_regular(path)))
+    data = read_regular(path)
+    if begins := unmerged(data):
+        raise ValueError(f"line {begins}: {UNMERGED}")
+    return checked(strict(data))
 
 
 def checked(data: Any) -> Baseline:
