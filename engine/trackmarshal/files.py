@@ -83,11 +83,29 @@ def unmerged(data: bytes) -> int:
     return data.count(b"\n", 0, found.start()) + 1 if found and ended.search(data, found.end()) else 0
 
 
+def fetching(path: Path) -> str:
+    """How to get what a submodule of git holds that is not checked out, where the path leads into one; empty where it does not."""
+    for folder in (path, *path.parents):
+        with contextlib.suppress(OSError, ValueError):
+            if not folder.is_dir():
+                continue
+            if any(folder.iterdir()):
+                return ""
+            folder = folder.resolve()
+            for top in folder.parents:
+                text = (top / ".gitmodules").read_text("utf-8") if (top / ".gitmodules").is_file() else ""
+                name = folder.relative_to(top).as_posix()
+                if re.search(rf'^\s*path\s*=\s*"?{re.escape(name)}"?\s*$', text, re.MULTILINE):
+                    return f"the submodule `{name}` is not checked out: `git submodule update --init {name}`"
+    return ""
+
+
 def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSError]]:
     """Files with one of these suffixes, in upper or lower case, in a folder and all folders in it, in the order of their names.
 
     Links to folders are followed; each folder is entered once, by its own path where it has one here. With the files comes what kept others
-    from being found: folders that cannot be read, links that lead nowhere, more than MOST_ENTRIES.
+    from being found: folders that cannot be read, links that lead nowhere, more than MOST_ENTRIES. Where an editor has a file open, Emacs puts a
+    link beside it, `.#NAME`, that leads nowhere: that is no file.
     """
     found: list[Path] = []
     problems: list[OSError] = []
@@ -115,10 +133,11 @@ def below(folder: Path, suffixes: Container[str]) -> tuple[list[Path], list[OSEr
             named = path.suffix.lower() in suffixes
             if not named and path.is_dir():
                 (links if entry.is_symlink() else waiting).append(path)
+            elif entry.is_symlink() and not path.exists():
+                if not entry.name.startswith(".#" if named else "."):
+                    problems.append(OSError(errno.ENOENT, "a symbolic link that leads nowhere", str(path)))
             elif named:
                 found.append(path)
-            elif entry.is_symlink() and not entry.name.startswith(".") and not path.exists():
-                problems.append(OSError(errno.ENOENT, "a symbolic link that leads nowhere", str(path)))
     return sorted(found), problems
 
 

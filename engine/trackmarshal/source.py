@@ -7,7 +7,7 @@ from bisect import bisect_right
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import SETTLE, UNMERGED, read_regular, unmerged
+from trackmarshal.files import SETTLE, UNMERGED, fetching, read_regular, unmerged
 
 #: The largest spec file that is read. 10,000 lines are about 0.6 MB.
 MAX_BYTES = 4_000_000
@@ -167,9 +167,8 @@ def read(path: Path, shown: str | None = None) -> SourceFile:
         data = read_regular(path, MAX_BYTES + 1)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         message = getattr(error, "strerror", None) or str(error)
-        raise TrackmarshalError(
-            "E001", f"cannot be read: {message}", file=name, help="check the path and its permissions"
-        ) from error
+        help_ = fetching(path) or "check the path and its permissions"
+        raise TrackmarshalError("E001", f"cannot be read: {message}", file=name, help=help_) from error
     return _within(name, data)
 
 

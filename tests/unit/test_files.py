@@ -108,6 +108,34 @@ def test_a_link_that_leads_nowhere_is_refused(tmp_path: Path) -> None:
     assert "leads nowhere" in err
 
 
+def test_a_spec_that_an_editor_has_open_is_read_as_it_is_saved(tmp_path: Path) -> None:
+    """Emacs puts a link beside it that leads nowhere; any other link that does is named as what it is."""
+    spec(tmp_path / "specs" / "a.spec")
+    (tmp_path / "specs" / ".#a.spec").symlink_to("ann@here.4711:1760000000")
+    assert run_command("check", "--quiet", "specs") == (0, "", "")
+    (tmp_path / "specs" / "b.spec").symlink_to(tmp_path / "gone")
+    status, _, err = run_command("check", "specs")
+    assert status == 2
+    assert "leads nowhere" in err
+    assert "specs/b.spec" in err
+    (tmp_path / "specs" / "b.spec").unlink()
+    (tmp_path / "specs" / ".#b.spec").write_text("module m\nuse nothing\n", "utf-8")
+    assert "nothing" in run_command("check", "specs")[2]  # a file of that name is a spec
+
+
+def test_a_submodule_that_is_not_checked_out_is_the_cause(tmp_path: Path) -> None:
+    (tmp_path / ".gitmodules").write_text('[submodule "x"]\n\tpath = specs/shared\n\turl = ../x\n', "utf-8")
+    (tmp_path / "specs" / "shared").mkdir(parents=True)
+    how = "git submodule update --init specs/shared"
+    path = tmp_path / "specs" / "a.spec"
+    path.write_text("module a\nuse shared.b\n", "utf-8")
+    for arguments in (["check", "specs"], ["check", "specs/shared"], ["check", "specs/shared/in/b.spec"]):
+        assert how in "".join(run_command(*arguments)[1:]), arguments
+    (tmp_path / "specs" / "shared" / "README").touch()
+    for arguments in (["check", "specs"], ["check", "specs/shared"], ["check", "specs/shared/in/b.spec"]):
+        assert "submodule" not in "".join(run_command(*arguments)[1:]), arguments
+
+
 def test_requirements_behind_a_link_and_in_capitals(tmp_path: Path) -> None:
     project = copy_project(tmp_path / "project")
     (tmp_path / "more").mkdir()

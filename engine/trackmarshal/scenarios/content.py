@@ -8,7 +8,7 @@ import zlib
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import read_regular
+from trackmarshal.files import fetching, read_regular
 
 #: Largest file that is read, and largest total that it may unpack to. A cycle takes about 5 kB.
 MAX_BYTES = 200_000_000
@@ -29,7 +29,9 @@ def read(path: Path, shown: str) -> bytes:
         return read_regular(path)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
-        raise TrackmarshalError("D120", reason, file=shown, help="check the path") from error
+        raise TrackmarshalError(
+            "D120", reason, file=shown, help=fetching(path) or "check the path"
+        ) from error
 
 
 def too_large(shown: str, what: str) -> TrackmarshalError:

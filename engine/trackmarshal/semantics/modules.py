@@ -12,7 +12,7 @@ from weakref import WeakValueDictionary
 import trackmarshal.prelude
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import below
+from trackmarshal.files import below, fetching
 from trackmarshal.library import INSTALLED, LIBRARY
 from trackmarshal.node import Node
 from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
@@ -60,7 +60,7 @@ class Library:
                 self.failures.append(error)
                 continue
             if not files:
-                help_ = "name a .spec file, or a folder with some"
+                help_ = fetching(path) or "name a .spec file, or a folder with some"
                 self.failures.append(
                     TrackmarshalError("E006", "no .spec files in this folder", file=str(path), help=help_)
                 )
@@ -194,7 +194,8 @@ class Library:
 
     def _missing(self, use: ast.Use, target: Path, root: Path) -> None:
         hint = (
-            close_matches(use.name, modules_near(root))
+            fetching(target)
+            or close_matches(use.name, modules_near(root))
             or "`use a.b` reads a/b.spec, from the folder in which this module's own name starts"
         )
         self.found.append(ModuleNotFound(use.span, use.name, self._shown(target), hint))
