@@ -55,6 +55,25 @@ def test_every_file_of_it_counts(project: Path) -> None:
     assert run_command("trace", "--gate")[0] == 0
 
 
+def test_stages_are_called_as_a_project_likes(project: Path) -> None:
+    """A process that is none of the V-model's has steps of its own names."""
+    path = project / "requirements" / "v-model.yaml"
+    text = path.read_text("utf-8")
+    for old, new in (("S-1-B", "origin"), ("S-2-B", "v2"), ("S-3-B", "unit_tests"), ("S-4-A", "scenarios")):
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text + 'gate:\n  - {stage: unit_tests, requirements: ["*"]}\n', "utf-8")
+    assert (
+        run_command("trace", "--accept-baseline", "--by", "Ann Author", "--reason", "our own process")[0] == 0
+    )
+    start.green(run_command)
+    status, out, _ = run_command("trace", "--format", "json")
+    assert status == 0
+    assert '"unit_tests"' in out
+    path.write_text(text.replace("id: origin", "id: or igin"), "utf-8")
+    assert "T124" in run_command("trace")[1]
+
+
 def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
     workflow = yaml.safe_load((project / ".github/workflows/trackmarshal.yml").read_text("utf-8"))
     runs = [step["run"] for step in workflow["jobs"]["gate"]["steps"] if "run" in step]

@@ -12,6 +12,7 @@ from trackmarshal.trace.shapes import (
     PATH,
     PATTERN,
     SUBSYSTEM,
+    WORD,
     Count,
     Date,
     Field,
@@ -28,7 +29,7 @@ TEXT = Text()
 REQUIREMENT_ID = Text(ID, "an id such as `S-1-A-4` or `RR-2`")
 INTERFACE_ID = Text(INTERFACE, "an interface such as `AV-RO`")
 SUBSYSTEM_ID = Text(SUBSYSTEM, "a subsystem such as `AV`")
-STAGE_ID = Text(ID, "a stage such as `S-2-B`")
+STAGE_ID = Text(WORD, "a stage such as `S-2-B`, or `tests`: letters, digits, `-` and `_`")
 PATTERNS = Many(Text(PATTERN, "an id, or a pattern such as `S-1-A-*`"), 1)
 SUBJECT = Text(
     rf"{PATTERN}(:[a-z*][a-z0-9* -]*)?",

@@ -11,6 +11,8 @@ ID = r"[A-Z][A-Za-z0-9]*(-[A-Za-z0-9]+)+"
 #: A subsystem, or an interface as the subsystems that it joins.
 SUBSYSTEM = r"[A-Z][A-Z0-9]*"
 INTERFACE = rf"{SUBSYSTEM}(-{SUBSYSTEM})?"
+#: What only documents name.
+WORD = r"[A-Za-z][A-Za-z0-9_-]*"
 #: Ids, or ids with `*` for any characters.
 PATTERN = r"[A-Za-z0-9*][A-Za-z0-9*_-]*"
 #: A path inside the project: relative, forward slashes, no way out.
