@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -72,6 +73,33 @@ def test_stages_are_called_as_a_project_likes(project: Path) -> None:
     assert '"unit_tests"' in out
     path.write_text(text.replace("id: origin", "id: or igin"), "utf-8")
     assert "T124" in run_command("trace")[1]
+
+
+@pytest.mark.parametrize(
+    ("edit", "told"),
+    [
+        (None, [("T372", "with 1 other")]),
+        (("module supervisor.limits\n", ""), [("E205", "which module")]),
+        (("param samples", "samples"), [("E101", "unexpected")]),
+        (("64 ", "63 "), [("T372", "63")]),
+    ],
+)
+def test_limits_that_are_no_longer_declared_are_one_cause(
+    edit: tuple[str, str] | None, told: list[tuple[str, str]], project: Path
+) -> None:
+    """The file is gone, or cannot be read: each limit has its default then."""
+    path = project / "specs" / "supervisor" / "limits.spec"
+    if edit is None:
+        path.unlink()
+    else:
+        text = path.read_text("utf-8")
+        assert edit[0] in text
+        path.write_text(text.replace(*edit), "utf-8")
+    status, out, _ = run_command("trace", "--gate", "--format", "json")
+    assert status == 1
+    found = [one for one in json.loads(out)["findings"] if one["level"] == "error" and not one.get("cause")]
+    assert [one["code"] for one in found] == [code for code, _ in told]
+    assert all(said in one["message"] for one, (_, said) in zip(found, told))
 
 
 def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:

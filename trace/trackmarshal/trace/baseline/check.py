@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 
 from trackmarshal.trace import sections
 from trackmarshal.trace.baseline.changes import Change, Tell, changes
@@ -66,7 +66,9 @@ def check(
     found = list(changes(baseline.content, now, tell))
     lost = {change.name: change.key for change in found if not change.field and change.before}
     listed = any(key.startswith(f"{UNREVIEWED} ") for key in baseline.content)
-    for code, group in _grouped((change for change in found if change.weaker), listed):
+    # A limit that no spec declares any more has its default.
+    struck = {change.key for change in found if change.kind == "limit" and change.key not in places}
+    for code, group in _grouped((change for change in found if change.weaker), listed, struck):
         at = [places.get(change.key.removeprefix(f"{UNREVIEWED} "), here) for change in group]
         also = tuple((place, str(change)) for place, change in zip(at[1:], group[1:]))
         # Without a subject it would be about the settings, as which specs are read, of which may come that others are gone.
@@ -96,7 +98,8 @@ def check(
             for name in _linked(baseline.content.get(change.key, {})) & lost.keys()
         }
         gone = all(
-            (not change.field and bool(change.before)) or change.after == "obsolete" for change in group
+            (not change.field and bool(change.before)) or change.after == "obsolete" or change.key in struck
+            for change in group
         )
         rests_on = tuple(
             dict.fromkeys(name for change in group for name in _around(baseline.content, change))
@@ -160,10 +163,13 @@ def _around(before: Content, change: Change) -> Iterator[str]:
         yield from (name.partition(" ")[2] for name in before.get(change.key, {}).get("reads", ()))
 
 
-def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[Change]]]:
+def _grouped(
+    found: Iterable[Change], listed: bool, struck: Container[str]
+) -> Iterator[tuple[str, list[Change]]]:
     """Changes by code, those together that one edit makes: of a shared definition, of what tests are given, of a hazard that levels follow.
 
     listed: the baseline lists things that nobody reviewed. Where it lists none, all that are so now are told as one: nobody has been asked so far.
+    struck: the limits of the Supervisor that no spec declares any more.
     """
     groups: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for change in found:
@@ -177,6 +183,8 @@ def _grouped(found: Iterable[Change], listed: bool) -> Iterator[tuple[str, list[
             one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
+        elif change.key in struck:
+            one = "limit"
         elif change.field in ("replayed with", "rules"):  # of a configuration, or a spec, that several share
             one = f"{change.before} {change.after}"
         elif (change.kind == "gate" and not change.field) or (change.kind == UNREVIEWED and not listed):
