@@ -102,6 +102,21 @@ def test_limits_that_are_no_longer_declared_are_one_cause(
     assert all(said in one["message"] for one, (_, said) in zip(found, told))
 
 
+@pytest.mark.parametrize("later", [False, True])
+def test_a_unit_that_the_value_does_not_have_is_one_cause(later: bool, project: Path) -> None:
+    """What uses the parameter as the value has it does not fit to what is declared, wherever that stands."""
+    path = project / "specs" / "speed.spec"
+    text = path.read_text("utf-8").replace("v_event : m/s", "v_event : m")
+    if later:
+        line = next(line for line in text.splitlines() if line.startswith("param"))
+        text = text.replace("use signals\n", "use signals\nuse values\n").replace(line, "")
+        (project / "specs" / "values.spec").write_text(f"module values\n{line}\n", "utf-8")
+    path.write_text(text, "utf-8")
+    found = json.loads(run_command("trace", "--gate", "--format", "json")[1])["findings"]
+    assert [one["code"] for one in found if one["level"] == "error" and not one.get("cause")] == ["E302"]
+    assert "E301" in [one["code"] for one in found]
+
+
 def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
     workflow = yaml.safe_load((project / ".github/workflows/trackmarshal.yml").read_text("utf-8"))
     runs = [step["run"] for step in workflow["jobs"]["gate"]["steps"] if "run" in step]

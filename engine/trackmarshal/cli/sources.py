@@ -261,6 +261,7 @@ def kept_runs(project: Project) -> dict[str, str]:
 
 def _finding(item: Diagnostic, signals: Container[str]) -> Finding:
     """A diagnostic of a spec as a finding of the matrix. signals: those that there are, so that none of them is what is missed."""
+    from trackmarshal.semantics.errors import DimensionMismatch
     from trackmarshal.trace import Finding, Place
 
     span = item.span
@@ -278,6 +279,8 @@ def _finding(item: Diagnostic, signals: Container[str]) -> Finding:
             names += [] if module is None else [f"{module[1]}.{name}"]  # as parameters and tables are called
     if span.text.replace("-", "_").isidentifier() and span.text not in signals:  # such as what there is not
         names.append(span.text)
+    if isinstance(item, DimensionMismatch):
+        names += [name for name, *_ in item.declared]
     place = Place(span.file.path, span.line, span.column)
     return Finding(
         item.code, item.level, item.message, place, item.help, subject, about=tuple(dict.fromkeys(names))

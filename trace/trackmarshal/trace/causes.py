@@ -140,7 +140,11 @@ class _Folding:
         # Of a test that is gone, the rule is there, and what is wrong in a spec may be why the test is not.
         left = [finding for finding in findings if finding.gone and finding.code != "T221"]
         gone = {name for finding in left for name in self._about[finding]}
-        self._key = {f: (_step(f, gone), number) for number, f in enumerate(findings)}
+        # A value that is not what is declared comes before whatever does not fit to either.
+        self._key = {
+            f: (_step(f, gone), number + len(findings) * (f.code != "E302"))
+            for number, f in enumerate(findings)
+        }
         self._found = sorted(findings, key=self._key.__getitem__)
         self._by_name: dict[str, list[Finding]] = defaultdict(list)
         for finding in self._found:
