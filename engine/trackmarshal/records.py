@@ -111,11 +111,13 @@ class SpecPart:
     column: int
     of: tuple[str, ...] = ()  #: the parameters and tables that a constraint restricts
     meant: str = ""  #: of a signal: the same as `fingerprint`, in whatever order its fields stand
+    source: str = ""  #: of a parameter: where it comes from
 
     def to_json(self) -> dict[str, Any]:
         return {
             "kind": self.kind, "name": self.name, "fingerprint": self.fingerprint, "shown": self.shown, "file": self.file,
             "line": self.line, "column": self.column, "of": list(self.of), "meant": self.meant,
+            "source": self.source,
         }  # fmt: skip
 
     @classmethod
@@ -123,7 +125,7 @@ class SpecPart:
         f = _Fields(data, "spec part")
         return cls(
             f.word("kind", PART_KINDS), f.text("name"), f.text("fingerprint"), f.text("shown", ""), f.text("file"), f.count("line"),
-            f.count("column"), f.texts("of"), f.text("meant", ""),
+            f.count("column"), f.texts("of"), f.text("meant", ""), f.text("source", ""),
         )  # fmt: skip
 
 

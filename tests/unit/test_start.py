@@ -14,6 +14,7 @@ from support import start
 from support.project import run_command
 from support.shared import REPOSITORY
 from trackmarshal.start.project import BASELINE, FILES
+from trackmarshal.trace.baseline.file import digest
 
 
 @pytest.fixture
@@ -115,6 +116,31 @@ def test_a_unit_that_the_value_does_not_have_is_one_cause(later: bool, project: 
     found = json.loads(run_command("trace", "--gate", "--format", "json")[1])["findings"]
     assert [one["code"] for one in found if one["level"] == "error" and not one.get("cause")] == ["E302"]
     assert "E301" in [one["code"] for one in found]
+
+
+def test_where_rules_and_parameters_come_from_is_held(project: Path) -> None:
+    """Struck or replaced, it takes a name; where there was none, and in baselines of before, nothing is said."""
+    path, baseline = project / "specs" / "speed.spec", project / "requirements" / "baseline.json"
+    text = path.read_text("utf-8")
+    cited = text.replace("satisfies R-1\n", 'satisfies R-1\n  source "concept, page 3"\n')
+    old = baseline.read_text("utf-8")
+    path.write_text(cited, "utf-8")
+    assert run_command("trace", "--gate")[0] == 0
+    assert run_command("trace", "--accept-baseline")[0] == 0  # more than before asks for no name
+    for before, now in (("concept, page 3", "concept, page 30"), ('  source "regulations of the event"', ""), ('  source "concept, page 3"\n', "")):  # fmt: skip
+        assert before in cited
+        path.write_text(cited.replace(before, now), "utf-8")
+        found = json.loads(run_command("trace", "--gate", "--format", "json")[1])["findings"]
+        assert [one["code"] for one in found] == ["T376"], before
+        assert "`source` of the" in found[0]["message"]
+    before_it_was_held = json.loads(old)
+    for entry in before_it_was_held["content"].values():
+        entry.pop("source", None)
+    acceptance = before_it_was_held["acceptances"][-1]
+    acceptance["after"] = digest(before_it_was_held["content"])
+    baseline.write_text(json.dumps(before_it_was_held), "utf-8")
+    path.write_text(text.replace('  source "regulations of the event"', ""), "utf-8")
+    assert run_command("trace", "--gate")[0] == 0
 
 
 def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:

@@ -107,6 +107,7 @@ def spec_parts(
             info.span.column,
             restricted(info) if kind == "constraint" else (),
             of(in_order(info)) if kind == "signal" else "",
+            (info.source or "") if kind == "param" else "",
         )
         for kind, name, info, shown in used
     ]

@@ -87,7 +87,7 @@ _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", 
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
-    ("external-tests", RAN), ("evidence", ANSWERS),
+    ("external-tests", RAN), ("evidence", ANSWERS), ("rule", "source"), ("assumption", "source"), ("param", "source"),
 }  # fmt: skip
 
 

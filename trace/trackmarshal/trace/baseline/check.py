@@ -49,6 +49,7 @@ _OF_FIELD = {
     ("rule", "satisfies"): "T227", ("assumption", "satisfies"): "T227",
     ("assumption", "evidence sha256"): "T373", ("analysis", "evidence sha256"): "T373", ("review", "evidence sha256"): "T373",
     ("analysis", "link examines"): "T373",
+    ("rule", "source"): "T376", ("assumption", "source"): "T376", ("param", "source"): "T376",
 }  # fmt: skip
 
 

@@ -300,7 +300,7 @@ def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
     for name, item in spec.by_name.items():
         yield f"{'rule' if item.kind == 'rule' else 'assumption'} {name}", {
             "satisfies": _list(ref.id for ref in item.satisfies), "assuming": _list(ref.id for ref in item.assuming),
-            "severity": item.severity, "owner": item.owner, "evidence": item.evidence,
+            "severity": item.severity, "source": " ".join(item.source.split()), "owner": item.owner, "evidence": item.evidence,
             "evidence sha256": hashes.get(item.evidence) or "" if item.evidence else "",
             "meaning": item.inputs.get(f"rule {name}") or item.fingerprint, "reads": _list(set(item.inputs) - {f"rule {name}", "constraints"}),
         }  # fmt: skip
@@ -318,7 +318,7 @@ def _specs(spec: Spec, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
         if part.kind == "replay":
             continue  # it stands with its scenario or campaign
         yield f"{part.kind} {part.name}", {
-            "says": part.fingerprint, "shown": part.shown, f"says{WORKED_OUT}": part.meant,
+            "says": part.fingerprint, "shown": part.shown, f"says{WORKED_OUT}": part.meant, "source": " ".join(part.source.split()),
         }  # fmt: skip
     for case in spec.faults:
         yield (
