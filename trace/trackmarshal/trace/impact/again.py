@@ -39,6 +39,10 @@ DOING = {
 }  # fmt: skip
 
 
+#: So many changes are named that may weaken what the baseline holds.
+_NAMED = 10
+
+
 def tasks(before: Version, now: Version, hit: Collection[Key], baseline: Baseline | None) -> Iterator[Task]:
     """All of them, in no order. hit: the nodes that changed; what `before` has wrong in its specs makes all that is made from specs unknown."""
     dark = bool(before.wrong)
@@ -56,10 +60,11 @@ def tasks(before: Version, now: Version, hit: Collection[Key], baseline: Baselin
         ]
         if weaker:
             said = "1 change" if len(weaker) == 1 else f"{len(weaker)} changes"
+            left = [f"and {len(weaker) - _NAMED} more"] if len(weaker) > _NAMED else []
             yield Task(
                 ("baseline", str(now.project.baseline)),
                 "accept",
-                f"{said} may weaken what it holds: {weaker[0]}",
+                f"{said} may weaken what it holds: {'; '.join([*map(str, weaker[:_NAMED]), *left])}",
             )
 
 
