@@ -113,6 +113,70 @@ def test_a_section_ends_at_the_next_heading_of_its_level() -> None:
 
 
 @pytest.mark.parametrize(
+    "code",
+    [
+        "````md\n```\n{}\n```\n````", "```\n```python\n{}\n```", "~~~\n```\n{}\n~~~", "```\n~~~\n{}\n```", "```\n````x\n{}\n````", "   ```\n{}\n```",
+        "~~~ a`b\n{}\n~~~", "```\n{}",
+    ],
+)  # fmt: skip
+def test_a_heading_in_a_block_of_code_is_none(code: str) -> None:
+    """A fence ends with as many signs of its own kind, or more, and nothing behind them."""
+    inside = "## R-1\n\nIt plans."
+    assert section(f"# Design\n\n{code.format(inside)}\n", "R-1") is None
+    below = section(f"# Design\n\n## R-1\n\n{code.format('## R-2')}\n", "R-1")
+    assert below is not None
+    assert "R-2" in below
+
+
+@pytest.mark.parametrize("before", ["`````", "```a```", "````\ncode\n````", "~~~\n~~~~", "    ```"])
+def test_what_stands_behind_a_block_of_code_is_none_of_it(before: str) -> None:
+    before = f"{before}\n`````" if before == "`````" else before
+    assert section(f"# Design\n\n{before}\n\n## R-1\n\nIt plans.\n", "R-1") == "It plans."
+
+
+@pytest.mark.parametrize(
+    ("heading", "next_"),
+    [("R-1\n---", "R-2\n-"), ("R-1\n===", "## deeper\n\nX\n=="), ("  ## R-1", "   ## R-2"), ("## R-1", "##"), ("## R-1", "R-2\n---")],
+)  # fmt: skip
+def test_headings_that_are_underlined_or_indented(heading: str, next_: str) -> None:
+    said = section(f"Design\n======\n\n{heading}\n\nIt plans.\n\n{next_}\n\ntwo\n", "R-1")
+    assert said is not None
+    assert "It plans." in said
+    assert "two" not in said
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        "- R-1\n---",
+        "> R-1\n---",
+        "- a\n  R-1\n---",
+        "| R-1 |\n---",
+        "    R-1\n---",
+        "R-1\n\n---",
+        "1. R-1\n---",
+    ],
+)
+def test_a_rule_makes_no_heading_of_what_is_no_paragraph(rule: str) -> None:
+    assert section(f"# Design\n\n{rule}\n\nIt plans.\n", "R-1") is None
+
+
+def test_another_heading_is_another_section(tmp_path: Path) -> None:
+    """What it says is held by its hash, and under which heading as it is written; where it was not held yet, nothing is said."""
+    made = small(tmp_path)
+    made.replace("requirements/assurance.yaml", "document: docs/layout.md", "document: docs/causes.md")
+    (made.root / "docs" / "causes.md").write_text("# Common causes\n", encoding="utf-8")
+    made.accept()
+    before = {finding.code for finding in trace.gate(made.matrix())}
+    made.replace("docs/layout.md", "## S-1-B-1: in time", "## S-1-B-1:  in  time ##")
+    assert {finding.code for finding in trace.gate(made.matrix())} == before
+    made.replace("docs/layout.md", "S-1-B-1:  in  time ##", "S-1-B-1 is not met")
+    (found,) = [finding for finding in trace.gate(made.matrix()) if finding.code == "T373"]
+    assert "heading" in found.message
+    assert "is not met" in found.message
+
+
+@pytest.mark.parametrize(
     "body", ["TODO", "**T.B.D.**", "---", "```\n```", "[x]: y", "### R-2", "<!-- to be written -->"]
 )
 def test_a_section_in_which_nothing_is_said_is_none(body: str) -> None:

@@ -12,7 +12,10 @@ from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.shapes import put_off
 from trackmarshal.trace.values import Placed
 
-_HEADING = re.compile(r"(#{1,6})[ \t]+(.*?)[ \t#]*")
+_HEADING = re.compile(r"[ ]{0,3}(#{1,6})(?:[ \t]+(.*?))?[ \t#]*")
+#: What stands below a line that is a heading by that; and how lines begin below which it is a rule.
+_UNDERLINE = re.compile(r"[ ]{0,3}(=+|-+)[ \t]*")
+_NO_TEXT = re.compile(r"\s|[>#|<]|[-*+]\s|\d+[.)]\s|\[[^\]]+\]:")
 #: What browsers show nothing of: comments, and elements whose contents are not for readers.
 _COMMENT = re.compile(r"<!--.*?-->|<(script|style|template)\b[^>]*>.*?</\1\s*>", re.DOTALL | re.IGNORECASE)
 #: How one begins that no end follows: at the beginning of a line, it goes on to the end of the document.
@@ -90,8 +93,14 @@ def section(text: str, name: str) -> str | None:
 
     The id stands in the heading as a word of its own. Headings in code blocks are none, and comments of HTML say nothing.
     """
+    found = _section(text, name)
+    return None if found is None else found[1]
+
+
+def _section(text: str, name: str) -> tuple[str, str] | None:
+    """The heading of a section, and what it says."""
     named = _named(name)
-    level, lines, below = 0, [], [""]
+    level, title, lines, below = 0, "", [], [""]
     for depth, line in _headed(_seen(text)):
         if level and 0 < depth <= level:
             break
@@ -99,17 +108,28 @@ def section(text: str, name: str) -> str | None:
             lines.append(line)
             below += [] if depth else [line]
         elif depth and named.search(line):
-            level = depth
+            level, title = depth, line
     said = "\n".join(lines).strip()
     # Headings within it say nothing. A line before all: it may begin with a rule and end with one, as what programs read does.
-    return None if silent("\n".join(below).encode(), markdown=True) else said
+    return None if silent("\n".join(below).encode(), markdown=True) else (title, said)
 
 
 def _headed(text: str) -> Iterator[tuple[int, str]]:
     """Every line, with the level of the heading that it is, 0 for others."""
-    for code, line in _lines(text):
+    lines = list(_lines(text))
+    begun = plain = False  # whether a paragraph is, and whether it is one of text alone
+    for n, (code, line) in enumerate(lines):
         heading = None if code else _HEADING.fullmatch(line)
-        yield (len(heading[1]), heading[2]) if heading is not None else (0, line)
+        if code or heading is not None or not line.strip():
+            begun = plain = False
+        elif not begun:
+            begun, plain = True, not _NO_TEXT.match(line)
+        if heading is not None:
+            yield len(heading[1]), heading[2] or ""
+            continue
+        below = lines[n + 1] if plain and n + 1 < len(lines) else (True, "")
+        under = None if below[0] or _UNDERLINE.fullmatch(line) else _UNDERLINE.fullmatch(below[1])
+        yield (0, line) if under is None else (1 if "=" in under[1] else 2, line)
 
 
 def _lines(text: str) -> Iterator[tuple[bool, str]]:
@@ -117,14 +137,23 @@ def _lines(text: str) -> Iterator[tuple[bool, str]]:
     fence = ""
     for line in text.splitlines():
         mark = _FENCE.match(line)
-        if mark is not None and (not fence or mark[1].startswith(fence)):
-            fence = "" if fence else mark[1]
-        yield bool(fence), line
+        rest = "" if mark is None else line[mark.end() :]
+        begins = mark is not None and not fence and not (mark[1][0] == "`" and "`" in rest)
+        # It ends with as many signs of the same kind, or more, and nothing behind them.
+        ends = mark is not None and fence != "" and mark[1].startswith(fence) and not rest.strip()
+        yield bool(fence) or begins, line
+        if mark is not None and (begins or ends):
+            fence = "" if ends else mark[1]
 
 
 def key(path: str, requirement: str) -> str:
     """What the section about a requirement is called, among hashes of files."""
     return f"{path}#{requirement}"
+
+
+def heading(path: str, requirement: str) -> str:
+    """And what its heading is called there, as people read it."""
+    return f"{key(path, requirement)} heading"
 
 
 def allocated(project: Project) -> Iterator[tuple[Placed, Entry, str, str]]:
@@ -150,10 +179,11 @@ def hashes(root: Path, project: Project) -> dict[str, str | None]:
     for _, _, path, requirement in allocated(project):
         if path not in texts:
             texts[path] = _read(root, path)
-        said = section(texts[path], requirement)
-        found[key(path, requirement)] = (
-            None if said is None else hashlib.sha256(" ".join(said.split()).encode()).hexdigest()
-        )
+        there = _section(texts[path], requirement)
+        title, said = there or ("", "")
+        digest = hashlib.sha256(" ".join(said.split()).encode()).hexdigest()
+        found[key(path, requirement)] = digest if there else None
+        found[heading(path, requirement)] = " ".join(title.split())
     return found
 
 

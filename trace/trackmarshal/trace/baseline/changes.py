@@ -9,6 +9,7 @@ from typing import TypeAlias
 
 from trackmarshal.trace.baseline.content import (
     ANSWERS,
+    HEADING,
     PLAIN_ARGUMENT,
     RAN,
     UNKNOWN,
@@ -87,7 +88,7 @@ _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", 
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
-    ("external-tests", RAN), ("evidence", ANSWERS), ("rule", "source"), ("assumption", "source"), ("param", "source"),
+    ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), ("rule", "source"), ("assumption", "source"), ("param", "source"),
 }  # fmt: skip
 
 
@@ -290,8 +291,7 @@ def _renamed(before: Content, now: Content) -> set[str]:
     # What tests come to is held from the next acceptance on: until then, they are the same where they are written in the same way.
     worked = f"text{WORKED_OUT}"
     without = {"text" if any(worked in entry for entry in before.values()) else worked}
-    if not any(ANSWERS in entry for entry in before.values()):
-        without.add(ANSWERS)
+    without |= {field for field in (ANSWERS, HEADING) if not any(field in entry for entry in before.values())}
     for key, entry in now.items():
         said = None if key in before else _but_for_its_name(key, entry, without)
         if said is not None:

@@ -38,6 +38,8 @@ WORKED_OUT = ", worked out"
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
 #: Those of them that name the requirement no more.
+#: The field of a section that holds its heading.
+HEADING = "heading"
 UNMARKED = "no longer naming it"
 #: How many of them were not skipped, in any of their parameters.
 RAN = "not skipped"
@@ -281,6 +283,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
     for _, element, path, requirement in sections.allocated(project):
         yield f"section {sections.key(path, requirement)}", {
             "of": str(element.id), "contents": hashes.get(sections.key(path, requirement)) or "",
+            HEADING: hashes.get(sections.heading(path, requirement)) or "",
         }  # fmt: skip
     for w in project.waivers:
         yield f"waiver {w.id}", {
