@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from functools import cache
 from pathlib import Path
@@ -118,6 +119,9 @@ def test_evidence_goes_stale_and_turns_red(project: Path) -> None:
     status, out, _ = command(project, "trace", "--gate", "--as-is")
     assert status == 1
     assert "T261" in out
+    found = json.loads(command(project, "trace", "--gate", "--as-is", "--format", "json")[1])["findings"]
+    alone = [one["code"] for one in found if one["level"] == "error" and not one.get("cause")]
+    assert alone == ["T370"]  # and no cell that is open since results of faults are stale
     status, out, _ = command(project, "trace", "--gate", "--verbose")  # it follows from the edited rule
     assert status == 1
     assert "error[T260]: the fault `F-03`" in out, out

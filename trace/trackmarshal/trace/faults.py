@@ -98,6 +98,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 "restore it, or strike the entry",
                 path,
             )
+    # What is found of a fault may change with any rule, and with the recording.
+    judged = (*spec.by_name, *(str(s.path) for s in project.scenarios))
     not_run: list[FaultCase] = []
     stale: list[FaultCase] = []
     for case in spec.faults:
@@ -117,14 +119,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
             )
         status, detail = verdict(case, spec)
         if status == "failed":
-            # What is found of it may change with any rule, and with the recording.
-            rests_on = (
-                case.campaign,
-                f"{case.campaign} {case.id}",
-                case.requirement,
-                *spec.by_name,
-                *(str(s.path) for s in project.scenarios),
-            )
+            rests_on = (case.campaign, f"{case.campaign} {case.id}", case.requirement, *judged)
             yield Finding(
                 "T260",
                 "error",
@@ -147,5 +142,6 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
             place = Place(found[0].campaign, found[0].line)
             others = tuple(case.id for case in found[1:])
             yield Finding(
-                code, "warning", f"{message}, which counts as not covered", place, "run `trackmarshal assess`", found[0].id, about=others
+                code, "warning", f"{message}, which counts as not covered", place, "run `trackmarshal assess`", found[0].id, about=others,
+                rests_on=judged if code == "T261" else (),
             )  # fmt: skip
