@@ -232,6 +232,8 @@ FORMATTED = {
     "at 10<xhtml:sup>-3</xhtml:sup> m/s<xhtml:sup>2</xhtml:sup>": "It at 10^-3 m/s^2 open.",
     "<xhtml:table><xhtml:tr><xhtml:td>at 5</xhtml:td><xhtml:td>0.1 s</xhtml:td></xhtml:tr></xhtml:table>": "It\nat 5 0.1 s\nopen.",
     "shall <!-- not\n --><?tool says?>always": "It shall always open.",
+    "within <xhtml:del>10 <xhtml:b>long</xhtml:b> s</xhtml:del> 5 s": "It within 5 s open.",
+    '<xhtml:s>never</xhtml:s><xhtml:span style="text-decoration: line-through">or <xhtml:strike>not</xhtml:strike> always</xhtml:span> shall': "It shall open.",
 }  # fmt: skip
 
 
@@ -241,6 +243,17 @@ def test_formatted_text_is_what_one_reads(markup: str) -> None:
     text = REQIF.replace("shall <xhtml:b>open</xhtml:b>.<xhtml:br/>Always, if v &lt; 1.", f"{markup} open.")
     documents, _ = read(text.replace("<DATATYPES>", "<!-- by a tool --><DATATYPES>"), "reqif", DOOR)
     assert documents[0].requirements[1]["statement"] == FORMATTED[markup]
+
+
+def test_what_is_struck_out_and_what_is_a_chapter_is_no_requirement_and_is_named() -> None:
+    """DOORS has headings as objects of their own, and strikes out what a text says no longer."""
+    chapter = REQIF.replace('LONG-NAME="ReqIF.Text"', 'LONG-NAME="ReqIF.ChapterName"').replace("shall <xhtml:b>open</xhtml:b>.", "<xhtml:del>Old</xhtml:del>")  # fmt: skip
+    relations = chapter[chapter.index("<SPEC-RELATIONS>") : chapter.index("</SPEC-RELATIONS>")]
+    documents, found = read(chapter.replace(relations, "<SPEC-RELATIONS>"), "reqif", DOOR)
+    assert [one["id"] for one in documents[0].requirements] == ["AB-2"]
+    said = [re.sub(r"^file.reqif:[0-9]+: ", "", text) for text in found]
+    assert "warning[T357]: `Old`, which is struck out in `ReqIF.ChapterName`, is not taken over" in said
+    assert any(text.startswith("warning[T357]: the chapter `It") for text in said)
 
 
 def test_lines_are_those_of_the_file_behind_a_comment() -> None:

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 #: Names that ReqIF's implementation guide gives to what everybody has.
 STANDARD = {"id": "ReqIF.ForeignID", "title": "ReqIF.Name", "statement": "ReqIF.Text"}
+#: And what a heading says that is an object of its own.
+_CHAPTER = "ReqIF.ChapterName"
 _MEANT = {theirs: ours for ours, theirs in STANDARD.items()}
 _RESERVED = (*FIELDS, *_MEANT)
 _SCHEMA = "http://www.omg.org/spec/ReqIF/20110401/reqif.xsd"
@@ -39,6 +41,8 @@ _REFINES = "refines"
 _BLOCKS = frozenset({
     "div", "p", "li", "tr", "h1", "h2", "h3", "h4", "h5", "h6", "ul", "ol", "dl", "dt", "dd", "table", "caption", "blockquote", "pre", "hr", "address",
 })  # fmt: skip
+#: Elements whose text is shown as no longer said.
+_STRUCK = frozenset({"del", "s", "strike"})
 #: What stands before the text of an element that means something else without it: 10^-3, and two cells that are no number together.
 _BEFORE = {"sup": "^", "sub": "_", "td": " ", "th": " "}
 _LONGEST = "1000000"
@@ -248,9 +252,11 @@ class _Reading:
                     self._dropped(f"a second place of `{place.spec_object}`", place.xml_node)
                     continue
                 seen.add(place.spec_object)
+                if self._is_chapter(place.spec_object):
+                    continue
                 draft.items.append(self._item(place.spec_object))
             yield draft
-        rest = [key for key in self._objects if key not in seen]
+        rest = [key for key in self._objects if key not in seen and not self._is_chapter(key)]
         if rest:
             yield Draft("others", self._title or "Requirements", "", [self._item(key) for key in rest])
 
@@ -260,6 +266,14 @@ class _Reading:
             if place.children:
                 self._dropped("what stands below what in a specification", place.xml_node)
                 yield from self._places(place.children)
+
+    def _is_chapter(self, key: str) -> bool:
+        """Whether an object is no requirement but a heading above some, as DOORS has them; what it says is named."""
+        held = self._held[key]
+        if not held.get(_CHAPTER) or held.get("statement"):
+            return False
+        self._dropped(f"the chapter `{held[_CHAPTER]}`", self._objects[key].xml_node)
+        return True
 
     def _item(self, key: str) -> Item:
         return Item(self._held[key], _line(self._objects[key]))
@@ -315,10 +329,22 @@ class _Reading:
                 _line(one),
                 "does the file follow ReqIF's schema?",
             )
-        said = ""
+        said = struck = ""
+        inside = 0  # in how many elements that strike out
         for event, node in _walk(value):
             tag = str(node.tag).rsplit("}", 1)[-1]
             begins = event == "start"
+            if strikes := tag in _STRUCK or "line-through" in (node.get("style") or ""):
+                inside += 1 if begins else -1
+            if inside or strikes:  # that a text holds no more is no part of what it says
+                struck += (node.text or "") if begins else (node.tail or "") if inside else ""
+                if inside:
+                    continue
+                self._dropped(f"`{' '.join(struck.split())}`, which is struck out in `{name}`,", node)
+                struck = ""
+                behind = re.sub(r"[ \t\r\n]+", " ", node.tail or "")
+                said += behind.removeprefix(" ") if said.endswith((" ", "\n")) else behind
+                continue
             if begins and tag not in _BLOCKS and tag not in ("br", "span", "THE-VALUE"):
                 self._dropped(f"`{tag}` in formatted text", node)
             if tag in _BLOCKS:
