@@ -216,3 +216,13 @@ def test_facts_that_were_changed_in_the_cache_are_not_used(
     made.clear()
     assert gate() == first
     assert made == ["compiled"]
+
+
+def test_evidence_that_cannot_be_kept_names_the_way_to_read_what_is_there(project: Path) -> None:
+    """A folder that may not be written, as where somebody looks at the project of another."""
+    (project / "out").symlink_to(project / "nowhere" / "at all")
+    status, told = gate()
+    assert (status, "error[E411]: the evidence cannot be kept" in told) == (2, True)
+    assert "evidence.jsonl" in told
+    assert "`trackmarshal trace --as-is`" in told
+    assert gate("--as-is")[0] == 1

@@ -13,6 +13,7 @@ from typing import Any
 
 from trackmarshal.cli.evidence import now
 from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.store import Entry, Store
 
 #: What results of earlier versions do not say.
@@ -72,7 +73,12 @@ class Answers:
             from trackmarshal.meaning import tool
 
             said = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
-            self.store.add(entry.by(**said) for entry in self._new)
+            try:
+                self.store.add(entry.by(**said) for entry in self._new)
+            except OSError as error:
+                message = f"the evidence cannot be kept: {error.strerror or error}"
+                help_ = "check its permissions and the space left; `trackmarshal trace --as-is` runs nothing, and reads the evidence that is there"
+                raise TrackmarshalError("E411", message, file=str(self.store.path), help=help_) from error
             self._new = []
 
 
