@@ -106,6 +106,15 @@ def test_without_a_commit(robot: Path, tmp_path: Path, monkeypatch: pytest.Monke
     assert "git cannot be run" in err
 
 
+def test_a_repository_in_which_nothing_is_committed(robot: Path) -> None:
+    """Git's help was on how to tell revisions from paths."""
+    shutil.rmtree(robot.parent / ".git")
+    git(robot.parent, "init", "-q")
+    err = command(robot, "trace", "--day", "commit")[2]
+    assert "does not have any commits yet" in err
+    assert "help: name a day" in err
+
+
 def test_a_repository_that_git_does_not_trust(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a container that checks out as another user than it runs as: what git says, it says with what to do."""
     monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")

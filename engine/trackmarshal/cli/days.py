@@ -41,7 +41,7 @@ def day(said: str | None, root: Path) -> date:
 def _of_commit(root: Path) -> str:
     """The day of the checked-out commit, where its committer was: whoever dates it back would have waivers hold that have expired, so that it is
     no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
-    command = asking(root, "log", f"--max-count={_BEFORE}", "--format=%cs", "HEAD")
+    command = asking(root, "log", f"--max-count={_BEFORE}", "--format=%cs")
     try:
         said = subprocess.run(
             command, capture_output=True, text=True, check=True, timeout=20, env=surroundings()
