@@ -226,6 +226,16 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
     assert exchange.check(documents) == []
 
 
+def test_groups_of_relations_are_named() -> None:
+    group = """<SPEC-RELATION-GROUPS><RELATION-GROUP IDENTIFIER="g" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="All">
+      <SOURCE-SPECIFICATION><SPECIFICATION-REF>s</SPECIFICATION-REF></SOURCE-SPECIFICATION><SPEC-RELATIONS><SPEC-RELATION-REF>x1</SPEC-RELATION-REF></SPEC-RELATIONS>
+      <TARGET-SPECIFICATION><SPECIFICATION-REF>s</SPECIFICATION-REF></TARGET-SPECIFICATION></RELATION-GROUP></SPEC-RELATION-GROUPS>"""
+    _, found = read(REQIF.replace("</SPECIFICATIONS>", f"</SPECIFICATIONS>{group}").encode(), "reqif", DOOR)
+    assert [text for text in found if "relations" in text] == [
+        "file.reqif: warning[T357]: what groups relations is not taken over"
+    ]
+
+
 FORMATTED = {
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",

@@ -221,7 +221,7 @@ class _Reading:
                 )
             self._objects[one.identifier] = one
         if content.spec_relation_groups:
-            self._dropped("groups of relations", None)
+            self._dropped("what groups relations", None)
         self._held = {key: dict(self._values(one.attributes)) for key, one in self._objects.items()}
         for key, one in self._objects.items():
             self._named(key, one)
