@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from support.safety_case import Page, edit, html
 
 ANALYSIS = """analyses:
@@ -74,9 +76,25 @@ def test_kinds_are_in_the_language_of_the_document_and_sentences_of_the_program_
     kinds = set(re.findall(r'<tr><td data-label="Art">([^<]*)</td>', first))
     assert "Anforderung" in kinds, kinds
     assert not kinds & {"requirement", "hazard", "safety goal", "design element"}
-    ranges = re.findall(r"<span([^>]*)>from [^<]* to [^<]*</span>", page.html)
-    assert ranges
-    assert all('lang="en"' in attributes for attributes in ranges), ranges
+    said = re.sub(r"<[^>]*>", "", page.html)
+    assert "0.3 m/s, von 0.1 bis 1 m/s" in said
+    assert "concept, 3.1; angegeben in specs/robot.spec:3" in said
+    assert "from 0.1 to" not in said
+    sentences = re.findall(r"<span class=\"made\"([^>]*)>", page.html)
+    assert sentences
+    assert all('lang="en"' in attributes for attributes in sentences), sentences
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"), [("[0.1, inf]", "at least 0.1 m/s"), ("[-inf, 1]", "at most 1 m/s"), (None, "")]
+)
+def test_ranges_with_one_end_or_none(warehouse: Path, ends: str | None, said: str) -> None:
+    spec = "module robot\n"
+    bounds = f" in {ends}" if ends else ""
+    edit(warehouse, "specs/robot.spec", spec, f"{spec}\nparam slow : m/s = 0.3 m/s{bounds}\n")
+    edit(warehouse, "specs/robot.spec", "require   robot.v <= 0.3 m/s", "require   robot.v <= slow")
+    cells = re.findall(r'<td data-label="allowed">(.*?)</td>', html(warehouse).html)
+    assert [re.sub(r"<[^>]*>", "", cell) for cell in cells] == [said]
 
 
 def test_parameters_have_the_units_of_the_spec_everywhere(warehouse: Path) -> None:

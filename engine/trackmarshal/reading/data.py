@@ -6,8 +6,9 @@ from typing import Any
 
 from trackmarshal.reading import mathml, typst
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, value
+from trackmarshal.reading.sheet import Sheet, about, beside, bounds, ends, equation, grid, origin, value
 from trackmarshal.reading.terminal import text
+from trackmarshal.units import in_full
 
 
 def data(sheet: Sheet) -> dict[str, Any]:
@@ -60,6 +61,8 @@ def _reading(sheet: Sheet) -> dict[str, Any]:
             {
                 "name": one.info.name, "shown": text(one.shown), "value": one.info.value, "unit": one.info.unit, "written": value(one),
                 "range": bounds(one, words), "from": origin(one, words), "overridden": one.overridden, "declared": str(one.declared.span),
+                "ends": list(ends(one)), "source": one.info.source or "", "place": str(one.info.span),
+                "replaced": in_full(one.declared.value, one.unit) if one.overridden else "",
             }
             for one in reading.settings
         ],

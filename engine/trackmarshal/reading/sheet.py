@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from trackmarshal.ir.spec import PlaceInfo, RuleInfo, TableInfo
@@ -68,14 +69,23 @@ def value(setting: Setting) -> str:
     return in_full(setting.info.value, setting.unit)
 
 
+def ends(setting: Setting) -> tuple[str, str]:
+    """The least and the greatest value that a configuration may choose, empty where there is none; the unit stands once."""
+    lower, upper = (
+        None if end is None or math.isinf(end) else end for end in (setting.info.lower, setting.info.upper)
+    )
+    least = "" if lower is None else (in_full if upper is None else digits)(lower, setting.unit)
+    return least, "" if upper is None else in_full(upper, setting.unit)
+
+
 def bounds(setting: Setting, words: Words) -> str:
     """Between which values a configuration may choose."""
-    lower, upper = setting.info.lower, setting.info.upper
-    if lower is not None and upper is not None:
-        return words.labels["range"].format(a=digits(lower, setting.unit), b=in_full(upper, setting.unit))
-    if lower is not None:
-        return words.labels["at least"].format(a=in_full(lower, setting.unit))
-    return "" if upper is None else words.labels["at most"].format(a=in_full(upper, setting.unit))
+    least, greatest = ends(setting)
+    if least and greatest:
+        return words.labels["range"].format(a=least, b=greatest)
+    if least:
+        return words.labels["at least"].format(a=least)
+    return words.labels["at most"].format(a=greatest) if greatest else ""
 
 
 def origin(setting: Setting, words: Words) -> str:

@@ -146,8 +146,29 @@ def _grid(writing: Writing, rows: Sequence[Sequence[str]]) -> Block:
 
 def _settings(writing: Writing, parameters: Sequence[Mapping[str, Any]]) -> Block:
     return writing.table((("column.parameter", 2.2), ("column.value", 1.6), ("column.range", 2.2), ("column.from_where", 4.0)), (
-        [(writing.ref(("parameter", one["name"])),), given(one["written"]), made(one["range"]), made(one["from"])] for one in parameters
+        [(writing.ref(("parameter", one["name"])),), given(one["written"]), _range(writing, one), _origin(writing, one)] for one in parameters
     ))  # fmt: skip
+
+
+def _range(writing: Writing, parameter: Mapping[str, Any]) -> Line:
+    """Between which values a configuration may choose."""
+    least, greatest = map(Given, parameter["ends"])
+    if least.text and greatest.text:
+        return writing.line("parameters.between", least=least, greatest=greatest)
+    if least.text:
+        return writing.line("parameters.least", least=least)
+    return writing.line("parameters.greatest", greatest=greatest) if greatest.text else EMPTY
+
+
+def _origin(writing: Writing, parameter: Mapping[str, Any]) -> Line:
+    """Where a value comes from: its source, where it stands, and which value of the spec it replaced."""
+    place, replaced = Code(parameter["place"]), parameter["replaced"]
+    stands = (
+        writing.line("parameters.replaced", place=place, value=Given(replaced))
+        if replaced
+        else writing.line("parameters.declared", place=place)
+    )
+    return joined([given(parameter["source"]), stands], "; ") if parameter["source"] else stands
 
 
 def _tests(writing: Writing, tests: Sequence[SpecTest]) -> Block:
@@ -204,7 +225,7 @@ def parameters(writing: Writing) -> Section:
 def _as_written(writing: Writing) -> Mapping[str, Line]:
     """By parameter, its value and range as rules for readers have them, in the units of the spec: 60 km/h, where the graph counts in m/s."""
     return {
-        one["name"]: joined([line for line in (given(one["written"]), made(one["range"])) if line])
+        one["name"]: joined([line for line in (given(one["written"]), _range(writing, one)) if line])
         for sheet in writing.given.sheets.values()
         for one in sheet.get("formula", {}).get("parameters", ())
     }
