@@ -132,4 +132,6 @@ def test_indicators_and_conditions_of_the_domain_are_in_it(warehouse: Path) -> N
     assert re.search(r"SPI-1</span>.*?SG-1</a>.*?at most 1 in", page.html)
     assert "at most 1 in 100 km" in texts
     assert "log of each drive" in texts
-    assert "robot.v: 0 m/s to 2 m/s" in texts
+    assert "robot.v: from 0 m/s to 2 m/s" in re.sub(r"<[^>]*>", "", page.html)
+    german = html(warehouse, "--words", "de")
+    assert "robot.v: von 0 m/s bis 2 m/s" in re.sub(r"<[^>]*>", "", german.html)

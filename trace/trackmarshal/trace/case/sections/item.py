@@ -3,8 +3,19 @@
 from __future__ import annotations
 
 from trackmarshal.trace.case.figure import chart
-from trackmarshal.trace.case.model import TEXT_WIDTH, Block, Figure, Fixed, Given, Line, Part, Section, Status
-from trackmarshal.trace.case.writing import Writing, written
+from trackmarshal.trace.case.model import (
+    TEXT_WIDTH,
+    Block,
+    Figure,
+    Fixed,
+    Given,
+    Line,
+    Part,
+    Section,
+    Status,
+    Written,
+)
+from trackmarshal.trace.case.writing import Writing, joined, written
 from trackmarshal.trace.model import Interface
 
 
@@ -13,13 +24,12 @@ def item(writing: Writing) -> Section | None:
     domains = writing.of_kind("operational design domain")
     if not domains:
         return None
+    ranges = {str(one.id): one.ranges for one in writing.given.project.entries if one.ranges}
     parts = [
         writing.part(writing.titled(node), [
             writing.facts([
                 ("label.description", written(node.attributes.get("description", ""), node.place)),
-                ("label.ranges", written("; ".join(
-                    f"{name.removeprefix('range of ')}: {said}" for name, said in node.attributes.items() if name.startswith("range of ")
-                ))),
+                ("label.ranges", joined([_range(writing, *one) for one in ranges.get(node.id, ())], "; ")),
                 ("label.source", written(node.attributes.get("source", ""))),
                 ("label.hazards", writing.refs(n.key for n in writing.before(node.key, "operates_in"))),
                 ("label.review", writing.review(node.key)),
@@ -30,6 +40,11 @@ def item(writing: Writing) -> Section | None:
     return writing.section("item", parts)
 
 
+def _range(writing: Writing, quantity: str, low: str, high: str) -> Line:
+    ends = writing.line("parameters.between", least=Given(low), greatest=Given(high))
+    return (Written(f"{quantity}:"), Fixed(" "), *ends)
+
+
 def system(writing: Writing) -> Section | None:
     """Subsystems and interfaces as a chart and as tables; None where the project has no model."""
     project = writing.given.project
@@ -38,7 +53,7 @@ def system(writing: Writing) -> Section | None:
     svg, size = chart(project.subsystems, project.interfaces, writing.words["system.figure"])
     size = min(size, TEXT_WIDTH)
     parts = writing.table((("column.id", 1.0), ("column.title", 2.5), ("column.role", 1.3), ("column.description", 6.0)), (
-        [(writing.ref(("subsystem", str(one.id))),), (Given(one.title),), (Given(one.role),), written(one.description, one.id.place)]
+        [(writing.ref(("subsystem", str(one.id))),), (Given(one.title),), writing.line(f"role.{one.role}"), written(one.description, one.id.place)]
         for one in project.subsystems
     ), [("subsystem", str(one.id)) for one in project.subsystems])  # fmt: skip
     blocks: list[Block] = [
