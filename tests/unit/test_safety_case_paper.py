@@ -134,3 +134,16 @@ def test_words_with_hyphens_and_long_names_may_be_broken() -> None:
     assert "box" not in paper.text("a well-known state-of-the-art T-shirt-like thing")
     assert "box" not in paper.text("VERY-LONG-NAME-OF-A-REQUIREMENT-1")
     assert "\u200b" in paper.text("VERY-LONG-NAME-OF-A-REQUIREMENT-1")
+
+
+@needs_text
+def test_names_and_hashes_are_copied_and_found_as_they_are(ready: Path, tmp_path: Path) -> None:
+    """A sign without width stood wherever a line may end: nobody found `requirements/needs.yaml`, and a copied hash was another one."""
+    out = tmp_path / "out"
+    command(ready, "case", "--out", str(out), "--day", DAY, "--quiet")
+    found = said(tmp_path, (out / "safety-case.pdf").read_bytes(), "-layout")
+    assert "\u200b" not in found
+    assert "requirements/needs.yaml" in found
+    hashes = set(re.findall(r"\b[0-9a-f]{64}\b", html(ready).first))
+    assert hashes
+    assert [one for one in hashes if one not in found] == []
