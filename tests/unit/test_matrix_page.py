@@ -178,6 +178,16 @@ def test_findings_are_at_what_they_are_about(tmp_path: Path) -> None:
     assert sum(map(bool, walk.data["findings"])) > 5
 
 
+def test_what_follows_is_counted_beside_what_it_follows_from(tmp_path: Path) -> None:
+    """The verdict counted six errors, and the list of them four."""
+    matrix = broken(tmp_path).matrix()
+    page = trace.render(matrix, "html")
+    page = page[page.index('<h2 id="findings">') :]
+    heads = re.findall(r'<summary><span class="level \w+">(\d+) \w+</span>(?:; (\d+) more follow)?', page)
+    assert any(more for _, more in heads)
+    assert sum(int(number) + int(more or 0) for number, more in heads) == len(matrix.findings)
+
+
 def test_the_same_inputs_make_the_same_bytes() -> None:
     assert trace.render(Small().matrix(), "html") == trace.render(Small().matrix(), "html")
 

@@ -346,6 +346,18 @@ def test_nothing_is_wider_than_a_phone(browser: Page, pages: Path, fragment: str
     assert browser.evaluate("document.documentElement.scrollWidth") <= 390
 
 
+@pytest.mark.parametrize(("wide", "media"), [(1400, ""), (1100, ""), (800, ""), (690, "print")])
+def test_no_count_lies_beyond_its_table(browser: Page, pages: Path, wide: int, media: str) -> None:
+    """How many cells are stale or failed was to be scrolled for, and lay under the next table on paper."""
+    browser.size(wide, 1000)
+    browser.media(media)
+    browser.open(pages / "matrix.html")
+    tables = '[...document.querySelectorAll(".numbers .wide")]'
+    assert browser.evaluate(f"{tables}.length") > 3
+    assert browser.evaluate(f"{tables}.filter((one) => one.scrollWidth > one.clientWidth).length") == 0
+    browser.media()
+
+
 def test_the_first_page_fits_a_phone(browser: Page, pages: Path) -> None:
     browser.size(390, 844)
     browser.open(pages / "index.html")
