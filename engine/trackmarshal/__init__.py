@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     )
 
 __path__ = pkgutil.extend_path(__path__, __name__)
-__version__ = "0.1.0"
+__version__ = "0.3.0.dev0"
 __all__ = [
     "Batch", "Cycle", "Decision", "Evaluator", "Limits", "TrackmarshalError", "acceleration_along", "arc_length", "check_planner", "choose",
     "compare", "complete", "curvature_along", "cut_at_rest", "cycles", "direction_along", "heading_from", "line", "load", "load_recording", "loads", "replay", "resample",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from support.length import at_length
 from support.project import run_command
@@ -213,6 +215,19 @@ def test_an_option_before_the_verb_is_not_lost() -> None:
     assert run_command("--project", "nowhere")[0] == 2
     assert run_command("--nonsense", "check", "small.spec")[0] == 2
     assert run_command("--version")[0] == 0
+
+
+def test_the_version_is_that_of_the_changes() -> None:
+    """It was 0.1.0 for two releases, and so was what the safety case says of the parts of this program."""
+    root = Path(__file__).resolve().parents[2]
+    (number, state), *_ = re.findall(
+        r"^## ([0-9.]+)(.*)$", (root / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE
+    )
+    version = f"{number}.dev0" if "unreleased" in state else number
+    assert run_command("--version")[1] == f"trackmarshal {version}\n"
+    tools = yaml.safe_load((root / "requirements" / "tools.yaml").read_text("utf-8"))["tools"]
+    own = {tool["version"] for tool in tools if not tool["version"].startswith("those of")}
+    assert own == {version}
 
 
 @pytest.mark.parametrize(
