@@ -366,8 +366,8 @@ def test_the_case_shows_a_drawing_of_each_rule_or_says_why_not(warehouse: Path) 
     page = html(warehouse).html
     rules = page.count('<div class="part level-3" id="rule-')
     assert rules
-    assert page.count("<h4>Boundary</h4>") >= rules
-    assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h4>Boundary</h4>")
+    assert page.count("<h3>Boundary</h3>") >= rules
+    assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h3>Boundary</h3>")
 
 
 def test_of_very_many_rules_the_first_are_drawn_and_it_is_said_how_the_others_are(
@@ -379,7 +379,7 @@ def test_of_very_many_rules_the_first_are_drawn_and_it_is_said_how_the_others_ar
     assert drawn > 1
     monkeypatch.setattr(drawing, "MOST", 1)
     page = html(warehouse).html
-    assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h4>Boundary</h4>")
+    assert page.count('aria-label="Where ') + page.count("No drawing: ") == page.count("<h3>Boundary</h3>")
     assert 'aria-label="Where slow_near_people ceases' in page
     assert page.count('aria-label="Where ') < drawn
     assert re.findall(r"<code>(trackmarshal show \w+ --draw)</code> draws this one", page)

@@ -130,7 +130,7 @@ def test_a_failed_test_is_on_the_first_page_and_in_the_status(warehouse: Path) -
 
 def top(page: Page) -> str:
     """What the argument's top goal has come to."""
-    title = page.html.partition('id="module-G-Top"')[2].partition("</h3>")[0]
+    title = page.html.partition('id="module-G-Top"')[2].partition("</h2>")[0]
     (status,) = re.findall(r"</span> ([a-z ]+)</span>", title)
     return str(status)
 

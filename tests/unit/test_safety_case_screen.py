@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -35,4 +36,8 @@ def test_nothing_lies_beyond_the_window_and_places_stand_on_one_line(tmp_path: P
             assert browser.evaluate("document.querySelectorAll('td code').length") > 20
             assert browser.evaluate(BROKEN) == [], wide
             assert browser.evaluate(BEYOND) <= 0, wide
+        levels = browser.evaluate(
+            "[...document.querySelectorAll('h1, h2, h3, h4, h5')].map((one) => +one.tagName[1])"
+        )
+        assert [pair for pair in pairwise(levels) if pair[1] > pair[0] + 1] == []
         assert browser.messages == []

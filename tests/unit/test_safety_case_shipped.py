@@ -91,7 +91,7 @@ def test_every_rule_stands_in_its_forms(page: Page) -> None:
         assert "<pre>rule " in part, name
         assert "<math" in part, name
         for title in ("In words", "Tests"):
-            assert f"<h4>{title}</h4>" in part, (name, title)
+            assert f"<h3>{title}</h3>" in part, (name, title)
 
 
 @pytest.mark.acceptance  # some 200 pages; every day a small one is set in test_safety_case.py
