@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 
 from golden.trace.cases import HERE, TODAY, Small, apply, compare
 from trackmarshal import trace
+from trackmarshal.trace.graph.kinds import LINKS
 from trackmarshal.trace.render.table import escaped
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.verdict import FAIL, PASS, RESERVED, SIGNS
@@ -103,6 +104,8 @@ def test_json_keeps_to_its_schema(tmp_path: Path) -> None:
     folder = Path(trace.__file__).parent / "render"
     schema = json.loads((folder / "matrix.schema.json").read_text(encoding="utf-8"))
     Draft202012Validator.check_schema(schema)
+    # Projects have links that the small one has none of: constraints, works, indicators, malfunctions.
+    assert set(schema["properties"]["links"]["items"]["properties"]["kind"]["enum"]) == set(LINKS)
     for small in (Small(), broken(tmp_path)):
         data = json.loads(trace.render(small.matrix(), "json"))
         assert [error.message for error in Draft202012Validator(schema).iter_errors(data)] == []
