@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 from datetime import date
 from pathlib import Path
 
@@ -122,6 +123,25 @@ def test_a_repository_that_git_does_not_trust(robot: Path, monkeypatch: pytest.M
     assert "T348" in err
     assert "detected dubious ownership" in err
     assert "git config --global --add safe.directory" in err
+
+
+@pytest.mark.parametrize(
+    "words", [("trace", "--as-is", "--day", "commit"), ("case", "--format", "html", "--out", "out")]
+)
+def test_git_speaks_of_a_path_that_the_locale_has_no_letters_for(robot: Path, words: tuple[str, ...]) -> None:
+    """Whose words are not ASCII, as paths are in them, was an internal error where the locale is."""
+    there = robot.parent.rename(robot.parent.with_name("Prüfstand")) / "robot"
+    plain = {
+        "LC_ALL": "C",
+        "PYTHONCOERCECLOCALE": "0",
+        "PYTHONUTF8": "0",
+        "GIT_TEST_ASSUME_DIFFERENT_OWNER": "1",
+    }
+    done = subprocess.run(
+        [sys.executable, "-m", "trackmarshal", *words], cwd=there, env={**os.environ, **plain}, capture_output=True, check=False,
+    )  # fmt: skip
+    assert b"internal error" not in done.stderr
+    assert done.returncode == (2 if "trace" in words else 1), done.stderr
 
 
 @pytest.mark.parametrize("if_there", [True, False])

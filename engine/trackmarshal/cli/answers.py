@@ -104,7 +104,13 @@ def commit(root: Path) -> str:
 
 def _git(root: Path, *words: str) -> str:
     return subprocess.run(
-        asking(root, *words), capture_output=True, text=True, check=True, timeout=20, env=surroundings()
+        asking(root, *words),
+        capture_output=True,
+        text=True,
+        errors="backslashreplace",
+        check=True,
+        timeout=20,
+        env=surroundings(),
     ).stdout.strip()
 
 

@@ -44,7 +44,13 @@ def _of_commit(root: Path) -> str:
     command = asking(root, "log", f"--max-count={_BEFORE}", "--format=%cs")
     try:
         said = subprocess.run(
-            command, capture_output=True, text=True, check=True, timeout=20, env=surroundings()
+            command,
+            capture_output=True,
+            text=True,
+            errors="backslashreplace",
+            check=True,
+            timeout=20,
+            env=surroundings(),
         ).stdout.split()
     except (OSError, subprocess.SubprocessError) as problem:
         why, help_ = refused(problem)
