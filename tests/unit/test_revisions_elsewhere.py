@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import subprocess
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -34,3 +36,27 @@ def test_whatever_repository_the_environment_names(tmp_path: Path, monkeypatch: 
     monkeypatch.setenv("GIT_DIR", str(other / ".git"))
     found = revisions.read("HEAD", own, tmp_path / "into")
     assert [path.read_text("utf-8") for path in found.rglob("*.spec")] == ["module own\n"]
+
+
+def test_on_python_before_3_11_4(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Archives are unpacked without a filter there, as Debian 12 has it: every comparison with a revision was an internal error."""
+
+    def none(*_: object) -> None:
+        pytest.fail("what lies outside of a folder is written by `extract`, unless it has a filter")
+
+    monkeypatch.setattr(tarfile.TarFile, "extract", none)
+    monkeypatch.setattr(tarfile.TarFile, "extractall", none)
+    own = _repository(tmp_path / "own", "module own\n")
+    found = revisions.read("HEAD", own, tmp_path / "into")
+    assert [path.read_text("utf-8") for path in found.rglob("*.spec")] == ["module own\n"]
+
+
+@pytest.mark.parametrize("name", ["../out.spec", "/out.spec", "a/../../out.spec"])
+def test_nothing_is_written_elsewhere(tmp_path: Path, name: str) -> None:
+    stream = io.BytesIO()
+    with tarfile.open(fileobj=stream, mode="w") as archive:
+        archive.addfile(tarfile.TarInfo(name))
+    stream.seek(0)
+    with pytest.raises(tarfile.TarError, match="no file of the project"):
+        revisions._unpack(stream, tmp_path / "into", lambda _: True)
+    assert list(tmp_path.rglob("*.spec")) == []

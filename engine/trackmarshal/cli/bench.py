@@ -39,7 +39,9 @@ def run(args: argparse.Namespace) -> int:
         files = [file for file in files if file.stem.removeprefix("bench_") in args.names]
     if not files:
         raise TrackmarshalError(
-            "E461", f"no benchmark {' '.join(args.names)} in {folder}", help="see the files there"
+            "E461",
+            f"no benchmark{''.join(f' {name}' for name in args.names)} in {folder}",
+            help="see the files there",
         )
     rows = []
     for file in files:

@@ -133,7 +133,14 @@ def _unpack(stream: IO[bytes], into: Path, wanted: Callable[[tarfile.TarInfo], b
     with tarfile.open(fileobj=stream, mode="r|") as archive:
         for member in archive:
             if member.isfile() and wanted(member):
-                archive.extract(member, into, filter="data")
+                path = Path(member.name)
+                content = archive.extractfile(member)
+                if content is None or path.is_absolute() or ".." in path.parts:
+                    raise tarfile.ExtractError(f"`{path}` is no file of the project")
+                # Not by `extract`, whose filter for what lies outside Python has from 3.11.4 on only.
+                (into / path).parent.mkdir(parents=True, exist_ok=True)
+                with content, (into / path).open("wb") as file:
+                    shutil.copyfileobj(content, file)
 
 
 def _git(project: Path, *arguments: str, name: str) -> str:
