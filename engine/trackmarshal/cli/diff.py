@@ -29,7 +29,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("new", metavar="NEW", help="the same, such as `.` for the project as it is")
     parser.add_argument(
-        "--on", nargs="+", required=True, metavar="RECORDING", help="recordings: .tmrec.jsonl or .saa"
+        "--on",
+        nargs="+",
+        required=True,
+        metavar="RECORDING",
+        help="recordings: .tmrec.jsonl or .saa; declarations: .yaml",
     )
     parser.add_argument(
         "--spec",

@@ -1,7 +1,7 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
-Recordings are `.tmrec.jsonl` (this tool's own format) or `.saa` (ScenarioArchitect). With --out, results are kept as
-evidence for the traceability matrix. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
+Recordings are `.tmrec.jsonl` (this tool's own format, also `.gz`), `.saa` (ScenarioArchitect), or declared scenarios (`.yaml`), of which they are
+generated. With --out, results are kept as evidence for the traceability matrix. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
 none. A record of a run (`.arrows`) is run again at the recorded times: the exit status is 1 when a decision is not the recorded one.
 """
 
@@ -59,7 +59,12 @@ CODES = {
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("scenarios", nargs="+", metavar="SCENARIO", help="recordings: .tmrec.jsonl or .saa")
+    parser.add_argument(
+        "scenarios",
+        nargs="+",
+        metavar="SCENARIO",
+        help="recordings: .tmrec.jsonl or .saa; declarations: .yaml; records: .arrows",
+    )
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
     choose_rules(parser, "evaluate")
     choose_backend(parser, None, "default: numpy; for a record, its own")
