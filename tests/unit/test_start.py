@@ -149,6 +149,9 @@ def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
     assert runs[0] == "python -m pip install trackmarshal"
     verbs = [line.split()[1] for line in runs[1:]]
     assert verbs == ["check", "fmt", "test", "assess", "trace"]
+    # Without these, a baseline that was changed by hand, and its hash with it, passes.
+    assert runs[-1].endswith("--gate --rerun")
+    assert workflow["jobs"]["gate"]["steps"][0]["with"] == {"fetch-depth": 0}
     for line in runs[1:]:
         assert run_command(*line.split()[1:])[0] == 0, line
     readme = (project / "README.md").read_text("utf-8")
