@@ -216,6 +216,14 @@ def test_timeline_has_a_row_a_rule_and_a_segment_a_stretch(tmp_path: Path) -> No
     assert [n for n in notes if "outside" in n] == ["0.9 s: missed: outside the ground truth"]
 
 
+def test_no_cycle_is_outside_of_a_truth_that_is_about_no_rule(tmp_path: Path) -> None:
+    """Where every rule has a truth of its own, the kinds judge nothing: the table said so, and the picture drew false alarms."""
+    made = record(tmp_path, overtaking(ground_truth={"dynamic": (True,) * 40}))
+    assert "false alarm: outside the ground truth" in timeline.timeline(read_run(made), timeline.WIDE, {})
+    run = read_run({**made, "truths": []})
+    assert "outside the ground truth" not in timeline.timeline(run, timeline.WIDE, {})
+
+
 def test_that_a_cycle_is_unsafe_is_asked_of_no_rule_that_is_judged_with_others(tmp_path: Path) -> None:
     truth = (None, True, False, *(None,) * 37)
     run = read_run(record(tmp_path, overtaking(ground_truth={"dynamic": truth, "static": (True,) * 40})))

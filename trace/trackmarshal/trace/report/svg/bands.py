@@ -111,8 +111,11 @@ def _kind_row(run: Run, kind: str, truth: Sequence[bool | None]) -> Row:
         lambda v: ("unsafe", "V") if v else ("safe", ""),
         lambda v: "unsafe" if v else "safe",
     )
+    judged = any(
+        one["kind"] == kind for one in run.record["truths"]
+    )  # where it is about none of the rules, none is wrong
     wrong = [
-        "missed" if t is False and not u else "false alarm" if t is True and u else ""
+        "" if not judged else "missed" if t is False and not u else "false alarm" if t is True and u else ""
         for t, u in zip(truth, unsafe)
     ]
     flags = [
