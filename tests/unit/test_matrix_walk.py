@@ -329,6 +329,18 @@ def test_on_paper_all_of_the_view_is_there_and_open(browser: Page, pages: Path) 
     assert browser.pdf().startswith(b"%PDF-")
 
 
+def test_on_paper_the_index_shows_what_follows(browser: Page, pages: Path) -> None:
+    """It counted what follows from a finding, and did not say what that is."""
+    folded = '[...document.querySelectorAll("details:not([open]) > :not(summary)")]'
+    browser.open(pages / "index.html")
+    browser.evaluate("document.querySelector('main').insertAdjacentHTML('beforeend', '<details><summary>1</summary><p>T230</p></details>')")  # fmt: skip
+    shown = f"{folded}.filter((one) => one.checkVisibility()).length"
+    assert browser.evaluate(shown) == 0
+    browser.media("print")
+    assert browser.evaluate(shown) == browser.evaluate(f"{folded}.length") > 0
+    browser.media()
+
+
 @pytest.mark.parametrize(
     "fragment",
     [
