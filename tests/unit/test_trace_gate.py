@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from golden.trace.cases import PROJECT, TODAY, Small
+from support.project import command
+from support.start import new_project
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
 
@@ -201,3 +203,22 @@ def test_no_baseline_is_accepted_from_unreadable_requirements(tmp_path: Path) ->
     (small.root / "requirements/more.yaml").write_text("a: [", encoding="utf-8")
     with pytest.raises(TrackmarshalError, match="T105"):
         trace.accept_baseline(small.root, ITEMS, TESTS)
+
+
+def test_a_test_that_is_missing_follows_from_no_method(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever had measured found out only then that the rule lacks a test."""
+    root = tmp_path / "car"
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    new_project(root)
+    (root / "specs" / "slow.spec").write_text(
+        'module slow\n\nuse signals\n\nrule slow "never"\n  satisfies R-1\n  for all   p in plan\n  require   p.v >= 0 m/s\n',
+        "utf-8",
+    )
+    document = root / "requirements" / "requirements.yaml"
+    text = document.read_text("utf-8")
+    document.write_text(text.replace("[test, scenario]", "[test, scenario, measurement]"), "utf-8")
+    found = json.loads(command(root, "trace", "--format", "json")[1])["findings"]
+    assert {f["code"] for f in found} >= {"T211", "T255"}
+    assert [f["code"] for f in found if f["code"] == "T211" and f.get("cause")] == []

@@ -221,6 +221,8 @@ class _Folding:
             return False  # no error hides behind a warning
         if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
             return False
+        if other.code == "T255" and finding.code in ("T211", "T212"):
+            return False  # a side of a boundary is not tested, whatever method nothing answers
         if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
             return False
         if other.code == "T382" and finding.code not in _OF_REVIEWS:
