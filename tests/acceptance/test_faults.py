@@ -56,6 +56,7 @@ def test_there_are_enough_of_all_kinds() -> None:
     assert every - rules == {
         "rss_eq1", "ends_at_rest", "A-LOCALISATION", "A-FRICTION", "safe_fallback", "fallback_collision", "fallback_oncoming", "fallback_line", "fallback_cut_in",
         "race_direction", "planned_side", "cut_in", "driving_collision", "fallback_brakes", "no_rolling", "step_length", "turn_integrity", "corner_integrity",
+        "swerve_integrity",
     }  # fmt: skip
     doors = {fault for fault, code in FAULTS.items() if code < "D24"}
     # those are of the program that calls, not of what comes from a car: types, names, a context that was never set up, a defect

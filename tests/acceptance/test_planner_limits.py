@@ -22,7 +22,7 @@ POSE = ("pose_match", "pose_on_path", "stamp_match", "place_match", "heading_mat
 RULES = (
     *POSE, "friction", "turn_radius", "drive_acceleration", "braking_limit", "ends_at_rest", "speed_limit", "no_reversing",
     "arc_length_integrity", "heading_integrity", "curvature_integrity", "acceleration_integrity",
-    "pace_integrity", "speed_integrity", "path_integrity", "corner_integrity", "race_direction", "A-LOCALISATION", "A-FRICTION",
+    "pace_integrity", "speed_integrity", "path_integrity", "corner_integrity", "swerve_integrity", "race_direction", "A-LOCALISATION", "A-FRICTION",
 )  # fmt: skip
 
 

@@ -98,12 +98,19 @@ def test_inside_the_ground_truth(path: Path) -> None:
         at_length("overreach.tmrec.jsonl.gz", ("drive_acceleration",), (3.0, 3.5)),
         at_length(
             "overreach.tmrec.jsonl.gz",
-            ("friction", "speed_integrity", "path_integrity", "corner_integrity"),
+            ("friction", "speed_integrity", "path_integrity", "corner_integrity", "swerve_integrity"),
             (11.0, 11.5),
         ),
         (
             "overreach.tmrec.jsonl.gz",
-            ("friction", "braking_limit", "speed_integrity", "path_integrity", "corner_integrity"),
+            (
+                "friction",
+                "braking_limit",
+                "speed_integrity",
+                "path_integrity",
+                "corner_integrity",
+                "swerve_integrity",
+            ),
             (5.0, 11.5),
         ),
         ("after_spin.tmrec.jsonl.gz", ("turn_radius", "turn_integrity"), (1.0, 1.5)),

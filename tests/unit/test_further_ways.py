@@ -177,7 +177,8 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "20 deg aside at 60 m/s": (
         made(steady(60.0), braking(12.0, 60.0), {"heading": 0.34}), {("drift_match", "driving"), ("drift_match", "emergency")}),
     "a path that jumps aside and back": (
-        made(zigzag(), braking(12.0, 50.0)), {("path_integrity", "driving"), ("corner_integrity", "driving"), ("heading_integrity", "driving")}),
+        made(zigzag(), braking(12.0, 50.0)),
+        {("path_integrity", "driving"), ("corner_integrity", "driving"), ("swerve_integrity", "driving"), ("heading_integrity", "driving")}),
     "a fallback that drives on at 40 m/s for 20 s": (
         made(steady(40.0), after(20.0, 40.0, 0.0, 8.0, 110)), {("fallback_brakes", "emergency"), ("step_length", "emergency")}),
     "a fallback that drives on where only its first sample is wet": (
@@ -187,9 +188,11 @@ WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "60 m in one step": (
         made(along([0.0, 1.2, 1.4], [0.0, 60.0, 70.0], 50.0, 0.0), braking(12.0, 50.0)), {("step_length", "driving")}),
     "round a corner in steps of a millimetre": (
-        made(cornering(), braking(heading=0.095), {"heading": 0.095}), {("corner_integrity", "driving")}),
+        made(cornering(), braking(heading=0.095), {"heading": 0.095}),
+        {("corner_integrity", "driving"), ("swerve_integrity", "driving")}),
     "round one with a single step of a millimetre in it": (
-        made(cornering(steps=1), braking(heading=0.095), {"heading": 0.095}), {("corner_integrity", "driving")}),
+        made(cornering(steps=1), braking(heading=0.095), {"heading": 0.095}),
+        {("corner_integrity", "driving"), ("swerve_integrity", "driving")}),
     "turning in beside a car": (
         made(turning_in(), braking(12.0, 60.0), objects=[car(1.0, 2.55, 60.0)]), {("planned_side", "driving")}),
     "turning in beside a faster car whose middle is behind": (

@@ -54,6 +54,7 @@ CONFIRMED_BY: dict[str, frozenset[str]] = {
         "turn_integrity": ["headings turn"],
         "path_integrity": ["path turns"],
         "corner_integrity": ["path turns"],
+        "swerve_integrity": ["path turns", "friction"],
         # Of the forces of a step, those along it and those across.
         "speed_integrity": ["speed jumps", "friction"],
         "pose_match": ["off its path", "elsewhere"],
