@@ -128,6 +128,11 @@ def late(columns: Columns, by: float) -> Columns:
     return columns | {"t": np.append(columns["t"][:-1], columns["t"][-1] + by)}
 
 
+def sooner(columns: Columns, share: float) -> Columns:
+    """Due everywhere after so much of the time that its speeds say."""
+    return columns | {"t": columns["t"] * share}
+
+
 def wet(columns: Columns, grip: float) -> Columns:
     return columns | {"grip": np.full(len(columns["t"]), grip)}
 
@@ -171,6 +176,8 @@ def made(
 WAYS: dict[str, tuple[Cycle, set[tuple[str, str]]]] = {
     "a fallback that is due at rest in 1000 s": (
         made(steady(), late(braking(), 1000.0)), {("time_integrity", "emergency")}),
+    "times of who drives a tenth faster, and brakes by a fifth more": (
+        made(sooner(steady(60.0), 0.91), sooner(braking(12.9, 60.0), 0.91)), {("pace_integrity", "driving"), ("pace_integrity", "emergency")}),
     "a way to rest that an arc length hides": (
         made(steady(), falling_back(braking(3.0), 60.0), objects=[car(40.0, v=15.0)]),
         {("safe_fallback", "emergency"), ("fallback_collision", "emergency"), ("arc_length_integrity", "emergency")}),
