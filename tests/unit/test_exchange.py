@@ -266,6 +266,16 @@ def test_what_is_struck_out_and_what_is_a_chapter_is_no_requirement_and_is_named
     assert any(text.startswith("warning[T357]: the chapter `It") for text in said)
 
 
+@pytest.mark.parametrize("cell", ["#NAME?", " #VALUE! ", "#REF!", "########", "Err:509"])
+def test_what_a_spreadsheet_has_lost_is_no_statement(cell: str) -> None:
+    """It takes `- the door shall ..` for a formula."""
+    text = f"id,title,statement\nA-1,a,It shall open.\nA-2,b,{cell}\n"
+    with pytest.raises(Refused) as refused:
+        read(text.encode(), "csv", NAMING)
+    assert (refused.value.code, refused.value.line) == ("T358", 3)
+    assert read(text.replace(cell, f"It says {cell}.").encode(), "csv", NAMING)[0]
+
+
 def test_lines_are_those_of_the_file_behind_a_comment() -> None:
     broken = REQIF.replace("<SPEC-OBJECT-REF>o1</SPEC-OBJECT-REF></OBJECT>", "<SPEC-OBJECT-REF>o3</SPEC-OBJECT-REF></OBJECT>")  # fmt: skip
     lines = []

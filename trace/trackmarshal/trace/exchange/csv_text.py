@@ -91,6 +91,18 @@ def read(data: bytes, shown: str) -> list[Draft]:
                 line,
                 "cells with commas, quotes or line breaks stand in double quotes",
             )
+        lost = next((cell for cell in cells if _LOST.fullmatch(cell.strip())), None)
+        if lost is not None:
+            message = (
+                f"a cell is `{lost.strip()}`, which a spreadsheet writes where it has lost what stood there"
+            )
+            raise Refused(
+                "T358",
+                message,
+                shown,
+                line,
+                "write the text there again, in a cell that is formatted as text",
+            )
         told: dict[str, Value] = dict(zip(names, map(_text, cells), strict=False))
         name, title, source = (str(told.pop(column, "")).strip() for column in OF_DOCUMENT)
         draft = drafts.setdefault(name, Draft(name, title or name or "Requirements", source))
@@ -105,6 +117,10 @@ def read(data: bytes, shown: str) -> list[Draft]:
         if any(value for value in told.values()):
             draft.items.append(Item(told, line))
     return list(drafts.values())
+
+
+#: What Excel and LibreOffice show of a text that they took for a formula, and of a date in a column that is too narrow.
+_LOST = re.compile(r"#(NAME\?|VALUE!|REF!|DIV/0!|N/A|NUM!|NULL!|SPILL!|CALC!|#{3,})|Err:5\d\d")
 
 
 def _rows(text: str, shown: str) -> Iterator[tuple[int, list[str]]]:
