@@ -87,7 +87,7 @@ FAULTS = [
     Fault("an unknown name", swap(S, "require   p.v <= v_max", "require   p.v <= v_limit"), "E201", "speed_limit"),
     Fault("units that do not fit", swap(S, "require   p.v <= v_max", "require   p.v <= b_max"), "E301", "speed_limit"),
     Fault("a parenthesis too few", swap(S, "min(b_max, bite(p.v))", "min(b_max, bite(p.v)"), "E108", "braking"),
-    Fault("a conflict of a merge in a spec", swap(S, "  require   p.v <= v_max\n", "<<<<<<< ours\n  require   p.v <= v_max\n=======\n  require   p.v <= 13 m/s\n>>>>>>> theirs\n"), "E101", "speed_limit"),
+    Fault("a conflict of a merge in a spec", swap(S, "  require   p.v <= v_max\n", "<<<<<<< ours\n  require   p.v <= v_max\n=======\n  require   p.v <= 13 m/s\n>>>>>>> theirs\n"), "E008", status=2),
     Fault("a spec that is no text", put(N, b"\xff\xfe"), "E004", status=2),
     Fault("a spec cut off", remade(S, lambda data: data[:-30]), "E102"),
     Fault("a spec thrown away", gone(C), "E203"),
