@@ -85,10 +85,12 @@ _FIELDS = {
 _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
+#: Where something comes from.
+_CITING = {("rule", "source"), ("assumption", "source"), ("param", "source")}
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
-    ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), ("rule", "source"), ("assumption", "source"), ("param", "source"),
+    ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), *_CITING,
 }  # fmt: skip
 
 
@@ -460,6 +462,8 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return False
     if field == "boundary":
         return not new
+    if (kind, field) in _CITING:
+        return not new  # what is worded otherwise still says where it comes from
     if (kind, field) in _LENIENT:
         return bool(new)
     if (
