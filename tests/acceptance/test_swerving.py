@@ -85,9 +85,9 @@ def test_headings_of_the_line_beside_it_hide_no_swerve(v: float, backend: str) -
 
 
 def test_what_tyres_cannot_do_is_not_safe() -> None:
-    rng = np.random.default_rng(20)
+    rng, seen = np.random.default_rng(20), 0
     for _ in range(amount(20, 400)):
-        v, along = rng.uniform(35.0, 80.0), rng.uniform(8.0, 12.9)
+        v, along = rng.uniform(35.0, 65.0), rng.uniform(9.0, 12.9)
         # Drag takes part of what is asked along the road.
         left = max(along - DRAG * v**2, 0.0)
         across = rng.uniform(0.8, 1.0) * 12.9
@@ -95,6 +95,8 @@ def test_what_tyres_cannot_do_is_not_safe() -> None:
         if np.hypot(left, across) > 1.08 * GRIP:
             assert np.median(swerve.driven()[2][:1000]) > GRIP
             assert objections(swerve.columns(rng.uniform(0.8, 2.5), told=False)), swerve
+            seen += 1
+    assert seen > 10
 
 
 def test_what_tyres_can_do_is_safe() -> None:
