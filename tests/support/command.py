@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from support.schemas import hold
 from trackmarshal.cli.main import main
 
 #: What `eval --backend` offers that the oracles are held against.
@@ -43,6 +44,7 @@ def evaluate(
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         status = main(arguments(spec, data, rules, backend, *more))
+    hold(arguments(spec, data, rules, backend, *more), out.getvalue())
     lines = read_lines(out.getvalue())
     assert status < 2, [line for line in lines if "error" in line][:3]
     assert status == (0 if all(line["safe"] for line in lines) else 1)

@@ -9,6 +9,7 @@ import shutil
 from functools import cache
 from pathlib import Path
 
+from support.schemas import hold
 from support.shared import REPOSITORY
 from trackmarshal.cli.main import main
 
@@ -42,8 +43,9 @@ def command(project: Path, *arguments: str) -> tuple[int, str, str]:
 
 
 def run_command(*arguments: str) -> tuple[int, str, str]:
-    """Exit status, standard output and standard error of `trackmarshal ...`, in this process."""
+    """Exit status, standard output and standard error of `trackmarshal ...`, in this process. What is for machines is held against its schema."""
     out, err = io.StringIO(), io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         status = main([*arguments])
+    hold(arguments, out.getvalue())
     return status, out.getvalue(), err.getvalue()

@@ -15,6 +15,7 @@ import pytest
 
 import trackmarshal as tm
 from support.length import shared_out
+from support.schemas import hold
 from support.shared import shared
 from support.supervised import ROOT
 from trackmarshal.cli.main import main
@@ -346,8 +347,11 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
         main([*arguments, "--emergency", "trajs.fallback"]) == 2
     )  # an adapter that is there is not written over
     capsys.readouterr()
-    assert main(["--project", str(ROOT), "check-planner", str(path), "--format", "json"]) == 1
-    assert json.loads(capsys.readouterr().out)["mapping"]["plan"]["v"]["unit"] == "km/h"
+    asked = ["--project", str(ROOT), "check-planner", str(path), "--format", "json"]
+    assert main(asked) == 1
+    out = capsys.readouterr().out
+    hold(asked, out)
+    assert json.loads(out)["mapping"]["plan"]["v"]["unit"] == "km/h"
 
 
 @pytest.mark.parametrize("name", ["modena", "berlin_cars"])

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support.schemas import hold
 from trackmarshal.cli.main import main
 from trackmarshal.comparing import (
     EQUAL,
@@ -277,8 +278,11 @@ def test_a_revision_beside_what_is_here(project: Path, capsys: pytest.CaptureFix
     )
     assert main(["diff", "HEAD", ".", *on]) == 1
     assert capsys.readouterr().out.startswith("speed_limit: stricter, ")
-    assert main(["diff", ".", "HEAD", *on, "--exit-zero", "--format", "json"]) == 0
-    words = {rule["name"]: rule["word"] for rule in json.loads(capsys.readouterr().out)["rules"]}
+    asked = ["diff", ".", "HEAD", *on, "--exit-zero", "--format", "json"]
+    assert main(asked) == 0
+    out = capsys.readouterr().out
+    hold(asked, out)
+    words = {rule["name"]: rule["word"] for rule in json.loads(out)["rules"]}
     assert words.pop("speed_limit") == "weaker"
     assert set(words.values()) == {"equal"}
     assert main(["diff", "HEAD", "specs/supervisor", *on, "--format", "md"]) == 1

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from support import field_logs
+from support.schemas import hold
 from trackmarshal import records
 from trackmarshal.cli.main import main
 from trackmarshal.cli.replay import evaluator_for
@@ -202,13 +203,12 @@ def test_the_command(
     assert main(["replay", str(out)]) == 0
     said = capsys.readouterr().out
     assert "every trajectory is safe" in said
-    assert (
-        main(
-            ["import", "log", "--map", str(EXTRACT), "--to", "3", "--rule", "speed_limit", "--format", "json"]
-        )
-        == 0
-    )
-    assert json.loads(capsys.readouterr().out)["rates"] == []
+    asked = ["import", "log", "--map", str(EXTRACT), "--to", "3", "--rule", "speed_limit", "--format", "json"]
+    for more in ([], ["--limits"]):
+        assert main([*asked, *more]) == 0
+        said = capsys.readouterr().out
+        hold(asked, said)
+        assert json.loads(said)["rates"] == []
     assert (
         main(["import", "log", "--map", str(EXTRACT), "--to", "3", "--keep", str(tmp_path / "run.json")]) == 2
     )

@@ -11,6 +11,7 @@ import pytest
 
 import trackmarshal as tm
 from support.cycles import PERIOD, SPEED, cycle
+from support.schemas import hold
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
@@ -55,6 +56,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 def replay(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
     status = main(["replay", *arguments, "--project", str(ROOT)])
     said = capsys.readouterr()
+    hold(["replay", *arguments], said.out)
     return status, said.out, said.err
 
 
