@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import json
+import sys
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from trackmarshal.cli.main import main
 from trackmarshal.diagnostics import github, sarif
 from trackmarshal.diagnostics import json as json_format
 from trackmarshal.diagnostics.base import Diagnostic
@@ -146,3 +150,20 @@ def test_github_keeps_one_finding_on_one_line(text: str) -> None:
     out = github.render([TrackmarshalError("E001", text, file=text)])
     assert out.count("\n") == 1
     assert out.count("::") == 2 + text.count("::")
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "latin-1", "utf-16", "utf-8"])
+def test_json_is_utf_8_whatever_the_terminal_has(
+    encoding: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`\\xf6` is no escape of JSON, and a file in Latin-1 is none either."""
+    (tmp_path / "größe.spec").write_text('module m\nrule r "𝔸" require ö < 1\n', "utf-8")
+    monkeypatch.chdir(tmp_path)
+    found = []
+    for one in ("utf-8", encoding):
+        out = io.BytesIO()
+        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(out, encoding=one))
+        assert main(["check", "größe.spec", "--format", "json"]) == 1
+        found.append(json.loads(out.getvalue().decode("utf-8")))
+    assert found[0] == found[1]
+    assert found[0][0]["file"] == "größe.spec"

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import codecs
 import importlib
+import io
 import os
 import signal
 import sys
+from typing import TextIO
 
 from trackmarshal.errors import TrackmarshalError
 
@@ -36,6 +39,8 @@ VERBS = {
     "export": "requirements for another tool",
     "bench": "the benchmarks",
 }
+#: Formats that are JSON.
+JSON = ("json", "jsonl", "sarif")
 OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
 
 
@@ -137,8 +142,25 @@ def _dispatch(arguments: list[str]) -> int:
         spec = next((word for word in left if word.endswith(".spec")), "")
         help_ = f"; a spec is named by --spec {spec}" if spec and "[--spec " in parser.format_usage() else ""
         parser.error(f"unrecognized arguments: {' '.join(left)}{help_}")
+    if getattr(args, "format", None) in JSON:
+        _in_json(sys.stdout)
     status: int = module.run(args)
     return OK if status == FINDINGS and args.exit_zero else status
+
+
+def _in_json(stream: TextIO | None) -> None:
+    """Have a stream write JSON, which is UTF-8 wherever it is read: in another encoding, all but ASCII as JSON escapes it."""
+    if isinstance(stream, io.TextIOWrapper) and codecs.lookup(stream.encoding).name != "utf-8":
+        codecs.register_error("json", _escaped)
+        stream.reconfigure(encoding="ascii", errors="json")
+
+
+def _escaped(error: UnicodeError) -> tuple[str, int]:
+    import json
+
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return json.dumps(error.object[error.start : error.end])[1:-1], error.end
 
 
 def _common(parser: argparse.ArgumentParser) -> None:
