@@ -161,10 +161,10 @@ def test_benchmarks() -> None:
     Path("requirements").mkdir()
     Path("requirements/v-model.yaml").write_text("project: {name: p}\n", "utf-8")
     Path("tests/benchmarks").mkdir(parents=True)
-    text = "LIMITS = {'a': 2.0}\n\n\ndef measure():\n    return {'a': 1.0, 'b (ratio)': 3}\n"
+    text = "LIMITS = {'a': 2.0}\n\n\ndef measure():\n    return {'a': 1.0, 'b (ratio)': float('inf')}\n"
     Path("tests/benchmarks/bench_made.py").write_text(text, "utf-8")
     (found,) = printed("bench", "--format", "json", "--quiet")
-    assert [one["limit"] for one in found["results"]] == [2.0, None]
+    assert [(one["value"], one["limit"]) for one in found["results"]] == [(1.0, 2.0), ("inf", None)]
 
 
 @pytest.mark.usefixtures("folder")

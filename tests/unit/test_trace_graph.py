@@ -150,6 +150,16 @@ def test_numbers(warehouse: Path) -> None:
         assert "without a link" in out
 
 
+def test_numbers_beside_paths_are_one_text_of_json(warehouse: Path) -> None:
+    asked = ("--from", "SYS-1", "--to", "test", "--statistics")
+    found = json.loads(command(warehouse, "trace", *asked, "--format", "json")[1])
+    assert (found["format"], len(found["paths"])) == ("trackmarshal-paths", 3)
+    assert found["statistics"]["nodes"]["test"]["all"] == 6
+    said = command(warehouse, "trace", *asked)[1]
+    assert "slow_near_people: slow" in said
+    assert "without a link" in said
+
+
 def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> None:
     """The small project with hazards, goals, design, a decomposition that is argued, and a review."""
     small = Small.copy(tmp_path)

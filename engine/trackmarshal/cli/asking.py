@@ -59,13 +59,13 @@ def answer(matrix: Matrix, args: argparse.Namespace) -> int:
             f"a question has no answer as {args.format}",
             help="formats are " + ", ".join(answers.FORMATS),
         )
-    graph, made = matrix.graph, ""
+    graph = matrix.graph
+    counted = numbers(matrix) if args.statistics else None
     if args.source is not None:
-        made = answers.paths(
-            graph, paths(graph, named(graph, args.source), named(graph, args.target)), args.format
-        )
-    if args.statistics:
-        made += answers.numbers(numbers(matrix), args.format)
+        found = paths(graph, named(graph, args.source), named(graph, args.target))
+        made = answers.paths(graph, found, args.format, counted)
+    else:
+        made = answers.numbers(counted or [], args.format)
     if args.format == "text":
         say(*made.removesuffix("\n").split("\n"))
     else:

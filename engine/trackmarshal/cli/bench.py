@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from trackmarshal.cli.output import dump, say, table
+from trackmarshal.cli.output import dump, number, say, table
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -52,7 +52,15 @@ def run(args: argparse.Namespace) -> int:
         for name, value in module.measure().items():
             rows.append((name, float(value), limits.get(name)))
     if args.format == "json":
-        results = [{"name": n, "value": v, "unit": _unit(n), "limit": limit} for n, v, limit in rows]
+        results = [
+            {
+                "name": n,
+                "value": number(v),
+                "unit": _unit(n),
+                "limit": None if limit is None else number(limit),
+            }
+            for n, v, limit in rows
+        ]
         print(dump({"machine": _machine(), "results": results}))
     else:
         shown = [

@@ -18,12 +18,17 @@ FORMATS = ("text", "json", "csv", "md")
 _HEAD = ["from", "to", "outcome", "by way of"]
 
 
-def paths(graph: Graph, found: Sequence[Path], format: str) -> str:
-    """Paths in one of FORMATS; raises ValueError for another."""
-    if format == "json":
+def paths(graph: Graph, found: Sequence[Path], format: str, counted: Sequence[Number] | None = None) -> str:
+    """Paths in one of FORMATS, with numbers where they are asked for, too; raises ValueError for another format."""
+    if format == "json":  # one text, whatever was asked for
+        asked = {} if counted is None else {"statistics": grouped(list(counted))}
         return _json(
-            {"format": "trackmarshal-paths", "version": 1, "paths": [_path(graph, path) for path in found]}
-        )
+            {"format": "trackmarshal-paths", "version": 1, "paths": [_path(graph, path) for path in found], **asked}
+        )  # fmt: skip
+    return _paths(graph, found, format) + ("" if counted is None else numbers(counted, format))
+
+
+def _paths(graph: Graph, found: Sequence[Path], format: str) -> str:
     if format == "csv":
         head = ["from_kind", "from", "to_kind", "to", "outcome", "by_way_of"]
         return _csv(
