@@ -127,7 +127,10 @@ def test_where_rules_and_parameters_come_from_is_held(project: Path) -> None:
     path.write_text(cited, "utf-8")
     assert run_command("trace", "--gate")[0] == 0
     assert run_command("trace", "--accept-baseline")[0] == 0  # more than before asks for no name
-    for before, now in (('  source "regulations of the event"', ""), ('  source "concept, page 3"\n', "")):  # fmt: skip
+    for before, now in (
+        ('  source "regulations of the event"', ""), ('  source "concept, page 3"\n', ""), ("concept, page 3", "TBD"),
+        ("regulations of the event", "(to do)"),
+    ):  # fmt: skip
         assert before in cited
         path.write_text(cited.replace(before, now), "utf-8")
         found = json.loads(run_command("trace", "--gate", "--format", "json")[1])["findings"]

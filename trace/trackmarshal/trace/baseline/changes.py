@@ -20,6 +20,7 @@ from trackmarshal.trace.baseline.content import (
     Entry,
     Value,
 )
+from trackmarshal.trace.shapes import put_off
 
 ASILS = ("QM", "A", "B", "C", "D")
 
@@ -463,7 +464,7 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
     if field == "boundary":
         return not new
     if (kind, field) in _CITING:
-        return not new  # what is worded otherwise still says where it comes from
+        return not new or put_off(_text(new))  # what is worded otherwise still says where it comes from
     if (kind, field) in _LENIENT:
         return bool(new)
     if (
