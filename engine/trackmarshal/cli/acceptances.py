@@ -15,7 +15,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.git import asking, refused, surroundings
+from trackmarshal.cli.git import answer, asking, refused, surroundings
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding, Place
@@ -364,10 +364,7 @@ def _batch(root: Path, asked: str, *how: str) -> bytes:
 
 
 def _git(root: Path, *words: str) -> str:
-    done = subprocess.run(
-        asking(root, *words), capture_output=True, text=True, errors="surrogateescape", check=True, timeout=60, env=surroundings()
-    )  # fmt: skip
-    return done.stdout
+    return answer(root, *words, errors="surrogateescape", timeout=60.0)  # paths are asked for again
 
 
 @lru_cache(maxsize=8)  # each is asked for as what came before one version and after another

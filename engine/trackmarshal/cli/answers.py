@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.cli.evidence import now
-from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.cli.git import answer
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.store import Entry, Store
 
@@ -72,9 +72,9 @@ class Answers:
         if self._new:
             from trackmarshal.meaning import tool
 
-            said = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
+            by = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
             try:
-                self.store.add(entry.by(**said) for entry in self._new)
+                self.store.add(entry.by(**by) for entry in self._new)
             except OSError as error:
                 message = f"the evidence cannot be kept: {error.strerror or error}"
                 help_ = "check its permissions and the space left; `trackmarshal trace --as-is` runs nothing, and reads the evidence that is there"
@@ -93,25 +93,13 @@ def commit(root: Path) -> str:
     """The commit of a project's folder, `+` behind it where files that belong to it differ from it, or it lacks specs, documents or recordings that
     are here; empty where there is none."""
     try:
-        head = _git(root, "rev-parse", "HEAD")
-        differs = _git(root, "status", "--porcelain", "--untracked-files=no", ".")
+        head = answer(root, "rev-parse", "HEAD").strip()
+        differs = answer(root, "status", "--porcelain", "--untracked-files=no", ".")
         return head + (
-            "+" if differs or _git(root, "ls-files", "--others", "--exclude-standard", "--", *_READ) else ""
+            "+" if differs or answer(root, "ls-files", "--others", "--exclude-standard", "--", *_READ) else ""
         )
     except (OSError, subprocess.SubprocessError):
         return ""
-
-
-def _git(root: Path, *words: str) -> str:
-    return subprocess.run(
-        asking(root, *words),
-        capture_output=True,
-        text=True,
-        errors="backslashreplace",
-        check=True,
-        timeout=20,
-        env=surroundings(),
-    ).stdout.strip()
 
 
 def _platform() -> str:

@@ -6,7 +6,7 @@ import subprocess
 from datetime import date, timedelta
 from pathlib import Path
 
-from trackmarshal.cli.git import asking, refused, surroundings
+from trackmarshal.cli.git import answer, refused
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -41,17 +41,8 @@ def day(said: str | None, root: Path) -> date:
 def _of_commit(root: Path) -> str:
     """The day of the checked-out commit, where its committer was: whoever dates it back would have waivers hold that have expired, so that it is
     no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
-    command = asking(root, "log", f"--max-count={_BEFORE}", "--format=%cs")
     try:
-        said = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            errors="backslashreplace",
-            check=True,
-            timeout=20,
-            env=surroundings(),
-        ).stdout.split()
+        days = answer(root, "log", f"--max-count={_BEFORE}", "--format=%cs").split()
     except (OSError, subprocess.SubprocessError) as problem:
         why, help_ = refused(problem)
         raise TrackmarshalError(
@@ -60,10 +51,10 @@ def _of_commit(root: Path) -> str:
             help=help_ or "name a day, `--day 2026-01-31`",
         ) from None
     latest = (date.today() + timedelta(days=1)).isoformat()  # where the committer was, it may be tomorrow
-    if said[0] > latest:
-        message = f"the commit says that it was made on {said[0]}, which is yet to come"
+    if days[0] > latest:
+        message = f"the commit says that it was made on {days[0]}, which is yet to come"
         raise TrackmarshalError("T348", message, help="set the clock, and commit again; or name a day")
-    return max(one for one in said if one <= latest)
+    return max(one for one in days if one <= latest)
 
 
 __all__ = ["CODES", "COMMIT", "day"]

@@ -38,6 +38,14 @@ def surroundings() -> dict[str, str]:
     return {**kept, "GIT_GRAFT_FILE": os.path.join(os.devnull, "none"), "LC_ALL": "C"}
 
 
+def answer(folder: Path, *words: str, errors: str = "backslashreplace", timeout: float = 20.0) -> str:
+    """What git answers, in a folder, whatever the locale is; errors: what becomes of bytes that it cannot read, as of paths in another encoding. Raises
+    OSError or SubprocessError where git gives no answer."""
+    return subprocess.run(
+        asking(folder, *words), capture_output=True, text=True, errors=errors, check=True, timeout=timeout, env=surroundings()
+    ).stdout  # fmt: skip
+
+
 def refused(problem: OSError | subprocess.SubprocessError) -> tuple[str, str]:
     """Why git gave no answer, in its own words: what is wrong, and what it says can be done about that; empty where it says nothing of it."""
     if isinstance(problem, OSError):
@@ -53,4 +61,4 @@ def refused(problem: OSError | subprocess.SubprocessError) -> tuple[str, str]:
     return f"git: {what.removeprefix('fatal: ')}", " ".join(more)
 
 
-__all__ = ["asking", "refused", "surroundings"]
+__all__ = ["answer", "asking", "refused", "surroundings"]
