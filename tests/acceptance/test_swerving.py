@@ -105,3 +105,24 @@ def test_what_tyres_can_do_is_safe() -> None:
         across = rng.uniform(1.0, 12.0)
         swerve = Swerve(rng.uniform(20.0, 80.0), np.sqrt((0.97 * GRIP) ** 2 - across**2), across, 0.09)
         assert "swerve_integrity" not in objections(swerve.columns(rng.uniform(0.8, 2.5), told=True)), swerve
+
+
+@BACKENDS
+@pytest.mark.parametrize("samples", [3, 4, 7])
+def test_no_corner_is_too_late_to_be_looked_at(samples: int, backend: str) -> None:
+    """Braking at 12 m/s^2 from 60 m/s, and moving over in the last step alone, by what asks for 11.7 across."""
+    step, v = 9.0, np.sqrt(60.0**2 - 2 * 12.0 * 9.0 * np.arange(samples))
+    for aside, allowed in ((0.031 * v[1] ** 2 / v[-2] ** 2, False), (0.0, True)):
+        x = np.append(step * np.arange(samples - 1), step * (samples - 2 + np.cos(aside)))
+        y = np.append(np.zeros(samples - 1), step * np.sin(aside))
+        flat = np.zeros(samples)
+        given = made(Swerve(60.0, 12.0, 0.5, 0.09).columns(2.0, told=True))
+        given.driving.clear()
+        given.driving.update({
+            "t": np.concatenate([[0.0], np.cumsum(2 * step / (v[1:] + v[:-1]))]), "s": step * np.arange(samples), "x": x, "y": y,
+            "heading": flat, "kappa": flat, "v": v, "a": flat - 12.0, "grip": flat + 1.0,
+        })  # fmt: skip
+        decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)
+        found = {one.rule for one in decision.violations if one.candidate == "driving"}
+        assert decision.faults == ()
+        assert found == (set() if allowed else {"swerve_integrity"})
