@@ -51,6 +51,8 @@ def other(value: Any) -> Any:
     match value:
         case bool():
             return not value
+        case "<" | "<=":
+            return "<=" if value == "<" else "<"  # of a comparison, which has no others
         case str():
             return f"{value}x"
         case int() | float():
