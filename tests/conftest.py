@@ -16,7 +16,7 @@ from trackmarshal.backends.c import build
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.semantics.compile import _Compiler
 
-settings.register_profile("daily", max_examples=16)
+settings.register_profile("daily", max_examples=12)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
     _Compiler.run = compiled_once(_Compiler.run)  # type: ignore[method-assign]
@@ -40,11 +40,11 @@ def pytest_sessionfinish() -> None:
     gc.freeze()
 
 
-#: Those that hold generated C as it ships against the other evaluators: the shipped rules on cases and recordings, Supervisors on runs and
-#: faults, and the numeric kernel.
+#: Those that hold generated C as it ships against the other evaluators: the shipped rules on cases and recordings, and the numeric kernel.
+#: The whole Supervisor as it ships is that of the emitted example, and of whatever is a command.
 AS_SHIPPED = (
     "acceptance/test_oracles_rss.py", "acceptance/test_recordings.py", "differential/test_c_kernel.py",
-    "differential/test_c_shipped.py", "differential/test_c_supervisor.py",
+    "differential/test_c_shipped.py",
 )  # fmt: skip
 assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 

@@ -45,7 +45,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 #: TRACKMARSHAL_CYCLES=N mutates N cycles.
 CYCLES = int(os.environ.get("TRACKMARSHAL_CYCLES", "400"))
-FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "2000"))
+FUZZ = int(os.environ.get("TRACKMARSHAL_FUZZ", "800"))
 TRACK = {"left": np.array(ring(94.0)), "right": np.array(ring(106.0)), "closed": True}
 
 

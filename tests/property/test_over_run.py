@@ -16,7 +16,7 @@ from trackmarshal.evaluation import Evaluator, loads
 
 Said = list[Any]
 #: TRACKMARSHAL_EXAMPLES=300 is the share of acceptance.
-EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "10"))
+EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "7"))
 
 
 def said(text: str, backend: str, cycles: list[dict[str, Any] | None]) -> Said:
