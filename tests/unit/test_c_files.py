@@ -318,7 +318,8 @@ def test_what_another_processor_cannot_run_is_kept_apart(
 @needs_compiler
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="looks for instructions of an x86")
 @pytest.mark.parametrize(
-    "flags", [at_length("-O2 -mavx2"), at_length("-O2 -mfma"), at_length("-O3 -mfma"), at_length("-O3 -march=native")]
+    "flags",
+    [at_length("-O2 -mavx2"), at_length("-O2 -mfma"), at_length("-O3 -mfma"), at_length("-O3 -march=native")],
 )
 def test_nothing_is_fused(flags: str, tmp_path: Path) -> None:
     """Digits are those of each operation by itself, whatever a processor could do at once: gcc 12.2 alone took five sums of products for one each."""

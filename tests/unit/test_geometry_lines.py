@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.bodies import BOTH, Geometry
-from support.tracks import loop, oval
+from support.tracks import eight, loop, oval
 from trackmarshal.backends.reference import geometry as reference
 from trackmarshal.runtime.geometry import Corridor, Polyline, distance_to_paths
 from trackmarshal.runtime.geometry.border import Border
@@ -165,6 +165,26 @@ def test_centre_lines(geometry: Geometry) -> None:
     (left, right), poses = loop(oval, 400, 4.0, 6.0)
     for (x, y, h), (cx, cy) in zip(poses, geometry.centre(left, right[::-1][:-1], True)):
         assert math.hypot(cx - (x + math.sin(h)), cy - (y - math.cos(h))) < 0.3
+
+
+@both
+@pytest.mark.parametrize("shift", [1, 57, 200, 399])
+@pytest.mark.parametrize("turned", [False, True])
+def test_borders_that_begin_anywhere_have_the_centre_that_they_have(
+    geometry: Geometry, shift: int, turned: bool
+) -> None:
+    """Two tools, or two files: equally many points are no pairs yet."""
+    (left, right), poses = loop(oval, 400, 5.0, 5.0)
+    other = [*right[shift:], *right[:shift]][:: -1 if turned else 1]
+    found = geometry.centre(left, other, True)
+    assert max(math.hypot(x - px, y - py) for (x, y), (px, py, _) in zip(found, poses)) < 1.5
+
+
+@both
+def test_across_a_figure_of_eight_pairs_lead(geometry: Geometry) -> None:
+    (left, right), poses = loop(eight, 400, 5.0, 5.0)
+    found = geometry.centre(left, right, True)
+    assert max(math.hypot(x - px, y - py) for (x, y), (px, py, _) in zip(found, poses)) < 1e-6
 
 
 def test_the_centre_of_an_unusable_corridor_is_an_unusable_line() -> None:

@@ -18,6 +18,7 @@ from trackmarshal.runtime.geometry.arrays import (
     vector,
 )
 from trackmarshal.runtime.geometry.border import Border
+from trackmarshal.runtime.geometry.quads import opposite
 
 
 class Polyline:
@@ -144,13 +145,14 @@ class Polyline:
 
 
 def centre_line(left: Floats, right: Floats, closed: bool = False) -> Floats:
-    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border.
+    """The line midway between two borders: midpoints of points that lie opposite each other, in pairs, or else from each left point to the
+    right border.
 
     An empty line where a border has unusable points, or the right one no two distinct ones.
     """
-    if len(left) == len(right):
-        return (left + right) / 2
     if not (np.abs(left) <= LIMIT).all():
         return np.empty((0, 2))
+    if len(left) == len(right) and (np.abs(right) <= LIMIT).all() and opposite(left, right, closed):
+        return (left + right) / 2
     feet = Polyline(right, closed).feet(*left.T)
     return np.empty((0, 2)) if feet is None else (left + feet) / 2

@@ -86,6 +86,19 @@ def union_of_quads(left: Floats, right: Floats) -> list[Floats] | None:
     return rings
 
 
+def opposite(left: Floats, right: Floats, closed: bool) -> bool:
+    """Whether points of two borders that have equally many lie opposite each other.
+
+    They do where each quadrilateral from a pair to the next is simple, and all turn the same way round. Raises ValueError for what
+    is not finite.
+    """
+    pairs = np.concatenate([left, right], axis=1)
+    pairs = distinct(np.concatenate([pairs, pairs[:1]]) if closed else pairs, False)
+    quads = np.stack([pairs[:-1, 2:], pairs[1:, 2:], pairs[1:, :2], pairs[:-1, :2]])
+    areas = _areas(quads)
+    return bool(((areas > 0.0).all() or (areas < 0.0).all()) and _simple(quads).all())
+
+
 def _covered(point: Floats, quads: Floats, own: int) -> bool:
     """Whether a point lies in any quadrilateral but its own."""
     inside = np.zeros(quads.shape[1], dtype=bool)

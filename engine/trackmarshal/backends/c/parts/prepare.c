@@ -259,6 +259,34 @@ static double tm_quad_area(const double *pair, const double *next) {
   return area;
 }
 
+/** Whether points of two borders, equally many, lie opposite each other: each quadrilateral from a pair to the next is simple, and all turn
+    the same way round. */
+static bool tm_opposite(const double *left, const double *right, size_t n, bool closed) {
+  double last[4] = {0.0, 0.0, 0.0, 0.0};
+  double most = -TM_INF;
+  double least = TM_INF;
+  for (size_t i = 0u; i < (closed ? (n + 1u) : n); ++i) {
+    const size_t k = 2u * ((i < n) ? i : 0u);
+    const double pair[4] = {left[k], left[k + 1u], right[k], right[k + 1u]};
+    if ((i > 0u) && tm_same(pair[0], pair[1], last[0], last[1]) && tm_same(pair[2], pair[3], last[2], last[3])) {
+      continue;
+    }
+    if (i > 0u) {
+      const double area = tm_quad_area(last, pair);
+      if (!(area == area)) {
+        return false;
+      }
+      most = tm_greatest(most, area);
+      least = tm_least(least, area);
+    }
+    last[0] = pair[0];
+    last[1] = pair[1];
+    last[2] = pair[2];
+    last[3] = pair[3];
+  }
+  return (least > 0.0) || (most < 0.0);
+}
+
 /** Whether a point lies in any quadrilateral between pairs but one. */
 static bool tm_covered(const double *pairs, size_t n, size_t own, double x, double y) {
   for (size_t i = 0u; i < n; ++i) {
@@ -570,10 +598,13 @@ static tm_status tm_make_line(tm_context *c, tm_shape *line, const double *point
   return TM_OK;
 }
 
-/** Prepare the line midway between two borders: midpoints of paired points, or from each left point to the right border. */
+/** Prepare the line midway between two borders: midpoints of points that lie opposite each other, in pairs, or from each left point to the
+    right border. */
 static tm_status tm_make_centre(tm_context *c, tm_shape *line, const double *left, size_t left_count, const double *right,
                                 size_t right_count, bool closed) {
-  if (left_count != right_count) {
+  const bool paired = (left_count == right_count) && tm_all_usable(left, left_count) && tm_all_usable(right, right_count) &&
+                      tm_opposite(left, right, left_count, closed);
+  if (!paired) {
     if ((tm_make_line(c, line, right, right_count, closed) != TM_OK) || !tm_all_usable(left, left_count)) {
       line->usable = false;
       return TM_UNUSABLE;
@@ -584,7 +615,7 @@ static tm_status tm_make_centre(tm_context *c, tm_shape *line, const double *lef
     const double y = left[(2u * i) + 1u];
     double to_x;
     double to_y;
-    if (left_count == right_count) {
+    if (paired) {
       to_x = right[2u * i];
       to_y = right[(2u * i) + 1u];
     } else {

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import cached_property, lru_cache
 
 from trackmarshal.backends.reference.geometry.boxes import STRETCH, Box, box_of
+from trackmarshal.backends.reference.geometry.quads import opposite
 from trackmarshal.points import (
     Point,
     Segment,
@@ -193,11 +194,14 @@ def distance_to_path(x: float, y: float, points: Points | Line) -> float:
 
 
 def centre_line(left: Points, right: Points, closed: bool = False) -> list[Point]:
-    """The line midway between two borders: midpoints of paired points, or else from each left point to the right border."""
+    """The line midway between two borders: midpoints of points that lie opposite each other, in pairs, or else from each left point to the
+    right border."""
     lefts, rights = [(p[0], p[1]) for p in left], [(p[0], p[1]) for p in right]
-    if len(lefts) == len(rights):
+    if not all(usable(*point) for point in (*lefts, *rights)):
+        return []
+    if len(lefts) == len(rights) and opposite(lefts, rights, closed):
         return [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in zip(lefts, rights)]
-    if line_fault(rights, closed) or not all(usable(*point) for point in lefts):
+    if line_fault(rights, closed):
         return []
     border = chain(distinct(rights, closed), closed)
     feet = (foot(*p, min(border, key=lambda s: distance(*p, s))) for p in lefts)

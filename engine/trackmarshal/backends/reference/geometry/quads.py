@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 from trackmarshal.backends.reference.geometry.region import Region, odd_crossings
@@ -48,16 +48,34 @@ def paired(left: Sequence[Point], right: Sequence[Point]) -> list[tuple[Point, P
     """Left and right points in pairs, without repetitions; None for unequal counts or tiny steps."""
     if len(left) != len(right):
         return None
-    pairs: list[tuple[Point, Point]] = []
-    for pair in zip(left, right):
-        if not pairs or not _same(pair, pairs[-1]):
-            pairs.append(pair)
+    pairs = _distinct(zip(left, right))
     while len(pairs) > 1 and _same(pairs[-1], pairs[0]):
         pairs.pop()
     steps = zip(pairs, [*pairs[1:], pairs[0]])
     if any(p != q and same(p, q) for pair, following in steps for p, q in zip(pair, following)):
         return None
     return pairs if len(pairs) >= 3 else None
+
+
+def opposite(left: Sequence[Point], right: Sequence[Point], closed: bool) -> bool:
+    """Whether points of two borders that have equally many lie opposite each other.
+
+    They do where each quadrilateral from a pair to the next is simple, and all turn the same way round.
+    """
+    given = list(zip(left, right))
+    pairs = _distinct([*given, *given[:1]] if closed else given)
+    corners = [distinct([r0, r1, l1, l0], True) for (l0, r0), (l1, r1) in pairwise(pairs)]
+    areas = [_area(quad) if _simple(quad) else 0.0 for quad in corners]
+    return all(area > 0.0 for area in areas) or all(area < 0.0 for area in areas)
+
+
+def _distinct(given: Iterable[tuple[Point, Point]]) -> list[tuple[Point, Point]]:
+    """Pairs without repetitions of the last one kept."""
+    pairs: list[tuple[Point, Point]] = []
+    for pair in given:
+        if not pairs or not _same(pair, pairs[-1]):
+            pairs.append(pair)
+    return pairs
 
 
 def _same(pair: tuple[Point, Point], other: tuple[Point, Point]) -> bool:
