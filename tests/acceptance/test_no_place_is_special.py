@@ -28,6 +28,10 @@ pytestmark = [
 ]
 
 RUNS = amount(12, 100)
+#: All but that of a pit lane, which a spec declares, and which does not move.
+RULES = [
+    rule.name for rule in shipped().rules if rule.formula is not None and rule.name != "zone_speed_limit"
+]
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,7 @@ def test_whatever_a_planner_proposes(way: str, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(
         any_planner.tm, "supervisor", lambda *a, **k: Both(WAYS[way], made(*a, **k), made(*a, **k), seen)
     )
-    cycles = sum((any_planner.run(shipped(), seed, cycles=60).seen for seed in range(RUNS)), Counter[str]())
+    cycles = sum((any_planner.run(shipped(), seed, RULES, 60).seen for seed in range(RUNS)), Counter[str]())
     assert cycles["safe"] > 10 * RUNS
     assert cycles["unsafe"] > RUNS
     assert len(seen) > 2
