@@ -67,16 +67,18 @@ def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
     value = x.value(left, ctx)
     if not isinstance(value, typed.MemberNode):
         wanted, span = "a state, or a field of an enumeration", left.__dict__["span"]
-        x.fail(WrongKind(span, wanted, spoken(value), _without_truth(value, expr.right)))
+        x.fail(WrongKind(span, wanted, spoken(value), _otherwise(value, expr.right)))
     return typed.IsMember(value, _other(expr.right, value.enumeration, x, ctx), expr.span)
 
 
-def _without_truth(left: typed.Value, right: ast.Expr) -> str:
-    """What to write for `braking is true`, or false."""
-    if not isinstance(right, ast.Boolean) or not isinstance(left, typed.FormulaNode):
-        return ""
+def _otherwise(left: typed.Value, right: ast.Expr) -> str:
+    """What to write for `braking is true`, or false, and for `o is ego`."""
     written = " ".join(left.span.text.split())
-    return f"write `{written}`" if right.value else f"write `not ({written})`"
+    if isinstance(right, ast.Boolean) and isinstance(left, typed.FormulaNode):
+        return f"write `{written}`" if right.value else f"write `not ({written})`"
+    if isinstance(left, typed.RecordNode):
+        return f"`is` asks for a member: compare fields, such as `{written}.{next(iter(left.shape), 'x')}`"
+    return ""
 
 
 def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Context) -> typed.AnyMember:

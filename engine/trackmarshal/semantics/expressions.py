@@ -778,7 +778,11 @@ class Expressions:
         """What becomes one number of many; fails for what has another form."""
         at = expr.span.head.word(expr.function)
         if expr.function not in typed.FOLDINGS:
+            asked = {"any": "exists", "some": "exists", "all": "for all", "every": "for all"}.get(
+                expr.function
+            )
             hint = close_matches(expr.function, typed.FOLDINGS) or f"write {', '.join(typed.FOLDINGS)}"
+            hint = f"write `{asked} o in objects: (...)`" if asked else hint
             self.fail(UnknownReference(at, f"`{expr.function}` makes no number of many", hint))
         op = known(expr.function, typed.FOLDINGS)
         if (op == "count") != (expr.body is None):

@@ -305,6 +305,8 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
     if not isinstance(item, ast.State):
         asked_of = ctx.scope.field_of(name) if isinstance(item, ast.Enum) else ""
         hint = f"ask the field that is one of it: `{asked_of} is ...`" if asked_of else ""
+        if isinstance(item, ast.Signal) and item.many:
+            hint = f"how many there are is `count(o in {name})`: of none, it is 0"
         x.fail(WrongKind(at, "a state", f"the {spoken(item)} `{name}`", hint))
     x.asked.add(symbol.qualified)
     wanted = 1 if item.domain else 0
