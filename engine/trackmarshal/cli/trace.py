@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING
 
 from trackmarshal.cli import against, asking, impact
 from trackmarshal.cli.beside import page_beside
@@ -21,9 +20,6 @@ from trackmarshal.cli.output import say, told
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
-
-if TYPE_CHECKING:
-    pass
 
 FORMATS = ("text", "json", "csv", "md", "markdown", "html", "sarif", "github", "junit")
 
