@@ -30,8 +30,8 @@ rule line "on an open one"
 LENGTH, ROUNDING = 40, Fraction(1, 10**9)
 #: The centre is a square with sides of 10 m.
 TRACK = {
-    "left": [[-1, 1], [9, 1], [9, 11], [-1, 11]],
-    "right": [[1, -1], [11, -1], [11, 9], [1, 9]],
+    "left": [[1, 1], [9, 1], [9, 9], [1, 9]],
+    "right": [[-1, -1], [11, -1], [11, 11], [-1, 11]],
     "closed": True,
 }
 STATIONS = st.one_of(

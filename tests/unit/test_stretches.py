@@ -35,8 +35,8 @@ stretch short on straight = 10 m to 20 m
 """
 #: A square ring: its centre is 80 m long, from (0, 0) to the east.
 SQUARE = {
-    "left": [[-1, 1], [19, 1], [19, 21], [-1, 21]],
-    "right": [[1, -1], [21, -1], [21, 19], [1, 19]],
+    "left": [[1, 1], [19, 1], [19, 19], [1, 19]],
+    "right": [[-1, -1], [21, -1], [21, 21], [-1, 21]],
     "closed": True,
 }
 
