@@ -7,6 +7,7 @@ test verifies becomes properties of pytest's own `--junitxml`, and records with 
 from __future__ import annotations
 
 import os
+import sysconfig
 from collections.abc import Generator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -183,6 +184,8 @@ class _Results:
         if report.nodeid not in self._seen:
             # What a class sets for tests that it inherits stands in its own file.
             collected = report.nodeid.partition("::")[0]
+            if self._installed(file):
+                file, line = collected, None
             own = "" if collected == Path(file).as_posix() else collected
             self._seen[report.nodeid] = _Seen(
                 ids, file, (line or 0) + 1, self._held(file), own, self._held(own) if own else ""
@@ -214,6 +217,14 @@ class _Results:
                 )
             )  # fmt: skip
         save(self._path, ResultsFile("external_tests", tuple(items), __version__, now))
+
+    def _installed(self, file: str) -> bool:
+        """Whether a file is of a package beside the project, as what hypothesis runs of a state machine: elsewhere it lies elsewhere, and
+        which one it is was said where packages are pinned."""
+        whole = (self._config.rootpath / file).resolve()
+        return any(
+            whole.is_relative_to(Path(sysconfig.get_path(kind)).resolve()) for kind in ("purelib", "platlib")
+        )
 
     def _held(self, file: str) -> str:
         """The sha256 of what a file of tests holds when the first of its tests is done; empty where it cannot be read."""

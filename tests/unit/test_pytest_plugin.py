@@ -117,6 +117,20 @@ def test_of_an_inherited_test_both_files_are_held(project: Path, more: list[str]
     assert test.collected_hash == hashlib.sha256(own.encode()).hexdigest()
 
 
+def test_of_what_an_installed_package_runs_its_own_file_is_held(project: Path) -> None:
+    """Where packages lie is not the same where the gate is asked."""
+    own = (
+        "import pytest\nfrom hypothesis.stateful import RuleBasedStateMachine, rule\n\n\nclass Door(RuleBasedStateMachine):\n"
+        "    @rule()\n    def shuts(self): ...\n\n\nTestDoor = Door.TestCase\nTestDoor.pytestmark = [pytest.mark.verifies('RR-1')]\n"
+    )
+    done = run(project, own, "--trackmarshal-results=out/a.json")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (test,) = load(project / "out" / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert (test.name, test.file, test.collected) == ("TestDoor::runTest", "tests/test_door.py", "")
+    assert test.file_hash == hashlib.sha256(own.encode()).hexdigest()
+
+
 @pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
 def test_what_is_written(project: Path, more: list[str]) -> None:
     done = run(

@@ -82,6 +82,7 @@ def test_what_passed_with_another_version_of_its_file_is_stale(tmp_path: Path) -
         ("warning", "test_door", "tests/test_door.py:1")
     ]
     file.unlink()
+    assert cell(small, "S-1-B-1").items[-1].detail == "`tests/test_door.py` is not there"
     assert cell(small, "S-1-B-1").status == "stale"
 
 

@@ -91,8 +91,10 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         for path, digest_ in ran:
             if digest_ and path not in held:
                 held[path] = _held(root, path)
-        if test.outcome == "passed" and any(digest_ and digest_ != held[path] for path, digest_ in ran):
-            test = replace(test, outcome=STALE, message="its file has changed since it ran")
+        changed = [path for path, digest_ in ran if digest_ and digest_ != held[path]]
+        if test.outcome == "passed" and changed:
+            what = "its file has changed since it ran" if held[changed[0]] else f"`{changed[0]}` is not there"
+            test = replace(test, outcome=STALE, message=what)
         yield External(
             test, entry.stage, Place(file, test.line) if file else Place(test.report, test.report_line)
         )
