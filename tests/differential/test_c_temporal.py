@@ -67,6 +67,34 @@ def bits(x: float) -> bytes:
     return b"nan" if math.isnan(x) else struct.pack("<d", x)
 
 
+def test_every_sample_of_a_window() -> None:
+    """One case a sample, in which it alone is hot: from the first sample, and over all of them, the worst one hides the others."""
+    held = [f"((p.p > -1) {op}{window} (p.q > 0.5))" for op in ("until", "since") for window in WINDOWS[2:4]]
+    spec = compiled(
+        HEAD
+        + "\n".join(
+            f'rule r{number} "made up"\n  along log as p\n  require eventually ({formula} and p.hot)\n'
+            for number, formula in enumerate(held)
+        )
+    )
+    evaluator = Evaluator(spec, None, "reference")
+    r = random.Random(3)
+    times = [0.1 * n for n in range(60)]
+    # Good for long: what is no part of a window any more shows only then.
+    p, q = (
+        [r.uniform(*((-3, -1.1) if r.random() < 0.06 else (3, 5))) * sign for _ in times] for sign in (1, -1)
+    )
+    cases = [
+        evaluator.read({"id": n, "signals": {"log": {"t": times, "p": p, "q": q, "hot": [k == n for k in range(60)]}}})
+        for n in range(60)
+    ]  # fmt: skip
+    run = outcomes(CProgram(spec, evaluator.rules), cases)
+    for said, expected in zip(run, evaluator.evaluate(cases), strict=True):
+        for name, wanted in expected.rules.items():
+            verdict, margin = said[name]
+            assert (verdict, bits(margin)) == (wanted.verdict, bits(wanted.margin)), name
+
+
 def test_windows() -> None:
     spec = compiled(spec_text())
     evaluator = Evaluator(spec, None, "reference")
