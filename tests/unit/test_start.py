@@ -150,6 +150,19 @@ def test_where_rules_and_parameters_come_from_is_held(project: Path) -> None:
     assert run_command("trace", "--gate")[0] == 0
 
 
+def test_where_requirements_come_from_is_held_too(project: Path) -> None:
+    path = project / "requirements" / "requirements.yaml"
+    text = path.read_text("utf-8")
+    assert text.count("    source: this project\n") == 1
+    for now, code in (("regulations, 3.2", "T226"), ("TBD", "T126")):
+        path.write_text(text.replace("source: this project", f"source: {now}"), "utf-8")
+        status, out, _ = run_command("trace", "--gate", "--format", "json")
+        causes = [one for one in json.loads(out)["findings"] if one["cause"] is None]
+        assert [one["code"] for one in causes] == [code]
+        assert "source" in causes[0]["message"]
+        assert status == (code == "T126")
+
+
 def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
     workflow = yaml.safe_load((project / ".github/workflows/trackmarshal.yml").read_text("utf-8"))
     runs = [step["run"] for step in workflow["jobs"]["gate"]["steps"] if "run" in step]

@@ -287,6 +287,18 @@ def test_names_that_repeat_a_group_are_refused(names: str, repeats: bool, tmp_pa
     )
 
 
+def test_of_all_tests_of_what_is_not_demanded_one_finding_tells(tmp_path: Path) -> None:
+    """A requirement that is struck, or whose file cannot be read, may be named by hundreds."""
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
+    cases = "".join(PASSED.format(f"door_{number}", "S-9") for number in range(300))
+    (found,) = (finding for finding in report(small, cases).matrix().findings if finding.code == "T336")
+    assert (
+        found.message
+        == "the test `door_0` of `tests.test_a` and 299 more verify `S-9`, which is no requirement"
+    )
+    assert (found.subject, len(found.about)) == ("S-9", 300)
+
+
 def test_a_test_that_names_thousands_that_there_are_not_is_told_once(tmp_path: Path) -> None:
     """Of findings about one thing, each is held against each other one: the gate took minutes."""
     ids = ", ".join(["S-1-B-1", *(f"S-{n}" for n in range(1000, 5000))])

@@ -177,6 +177,11 @@ def _held(root: Path, file: str) -> str:
         return ""
 
 
+#: What a requirement is that a test should not verify; of several, the second.
+_UNKNOWN = ("which is no requirement", "which are no requirements")
+_OBSOLETE = ("which is demanded no longer", "which are demanded no longer")
+
+
 def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
     """Tests of what is not demanded, that failed, that were skipped, or that ran as they are no more (T336 to T339, T383, T216)."""
     counting = {str(stage.id) for stage in project.stages if "external test" in stage.counts}
@@ -189,22 +194,16 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
     skipped: dict[str, list[External]] = {}
     stale: dict[str, list[External]] = {}
     unnamed: dict[str, list[External]] = {}
+    loose: dict[tuple[tuple[str, str], tuple[str, ...]], list[External]] = {}
     for external in tests:
         test = external.test
         unknown = [id_ for id_ in test.requirements if id_ not in project.by_id]
         obsolete = [
             id_ for id_ in test.requirements if id_ in project.by_id and not project.by_id[id_].demanded
         ]
-        for ids, why, plural in (
-            (unknown, "which is no requirement", "which are no requirements"),
-            (obsolete, "which is demanded no longer", "which are demanded no longer"),
-        ):
-            if ids:  # a report may name thousands
-                more = f" and {len(ids) - 3} more" if len(ids) > 3 else ""
-                said = f"{', '.join(f'`{id_}`' for id_ in ids[:3])}{more}, {plural if ids[1:] else why}"
-                message = f"the test `{test.name}` of `{test.suite}` verifies {said}"
-                help_ = did_you_mean(ids[0], project.by_id) if ids is unknown else ""
-                yield error("T336", message, external.place, help_, test.name)
+        for ids, why in ((unknown, _UNKNOWN), (obsolete, _OBSOLETE)):
+            if ids:
+                loose.setdefault((why, tuple(ids)), []).append(external)
         status, detail = verdict(test)
         if not test.requirements:
             if status == "failed":
@@ -217,6 +216,18 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
             skipped.setdefault(test.report, []).append(external)
         elif status == "stale":
             stale.setdefault(test.report, []).append(external)
+    # One cause for all tests of it: of a requirement that is struck, or whose file cannot be read, there may be hundreds.
+    for (why, named), those in loose.items():
+        shown = ", ".join(f"`{id_}`" for id_ in named[:3])
+        listed = (
+            f"{shown} and {len(named) - 3} more" if len(named) > 3 else shown
+        )  # a report may name thousands
+        first, others = those[0].test, tuple(one.test.name for one in those[1:])
+        which = f"the test `{first.name}` of `{first.suite}`"
+        verifies = f"{which} and {len(others)} more verify" if others else f"{which} verifies"
+        message = f"{verifies} {listed}, {why[len(named) > 1]}"
+        help_ = did_you_mean(named[0], project.by_id) if why is _UNKNOWN else ""
+        yield Finding("T336", "error", message, those[0].place, help_, named[0], about=(first.name, *others))
     for report, those in skipped.items():
         said = "1 test was" if len(those) == 1 else f"{len(those)} tests were"
         message = f"{said} skipped in `{report}`, which counts as not covered"

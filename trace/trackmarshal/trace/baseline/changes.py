@@ -87,7 +87,7 @@ _FILES = ("recording", "kept run", "sha256", "evidence sha256")
 #: What earlier baselines did not hold: that it is held from now on is no weakening.
 _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", "title", "rationale")
 #: Where something comes from.
-_CITING = {("rule", "source"), ("assumption", "source"), ("param", "source")}
+_CITING = {("requirement", "source"), ("rule", "source"), ("assumption", "source"), ("param", "source")}
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),

@@ -173,7 +173,7 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "statement": _hash(r.statement), "asil": str(r.asil), "status": r.status, "derived_from": _list(r.derived_from),
             "refines": _list(r.refines), "verification": _list(r.verification), "metrics": _list(r.metrics),
             "assumptions": _list(r.assumptions), **_linked(r.links), "not_verified_by": _list(name for name, _ in r.not_verified_by),
-            "adopted": _hash(r.adopted) if r.adopted else "", **{f"reason against {name}": _hash(why) for name, why in r.not_verified_by},
+            "source": " ".join(r.source.split()), "adopted": _hash(r.adopted) if r.adopted else "", **{f"reason against {name}": _hash(why) for name, why in r.not_verified_by},
         }  # fmt: skip
     for entry in project.entries:
         said = {name: _hash(text) if " " in text else text for name, text in entry.attributes.items()}
