@@ -253,6 +253,36 @@ def test_cycles_in_which_nothing_is_demanded_are_asked_for_later(body: str) -> N
     assert {"inactive", "satisfied"} <= verdicts
 
 
+def test_counts_go_over_gaps() -> None:
+    """Of a formula that looks ahead, too: as many cycles as were missed may have counted."""
+    drawn = [
+        "count(eventually[0 s, 0.3 s] ego.v > 1 m/s, last: 1 s) <= 3",
+        "count(always[0 s, 0.2 s] ego.v > 1 m/s, last: 0.5 s) >= 2",
+        "eventually[0 s, 0.4 s] count(ego.v > 1 m/s, last: 0.6 s) == 2",
+        "always[0.1 s, 0.3 s] count(ego.v > 1 m/s, last: 0.4 s) <= 2",
+        "always[0 s, 0.3 s] count(next ego.v > 1 m/s, last: 0.5 s) != 2",
+        "count(ego.v > 1 m/s) <= 6",
+    ]
+    evaluators = {name: Evaluator(loads(spec_of(drawn)), backend=name) for name in (*OTHERS, "c")}
+    dice, verdicts = random.Random(5), set[str]()
+    for _ in range(amount(2, 12)):
+        t, cycles = 0.0, list[dict[str, Any] | None]()
+        for number in range(16):
+            t = round(t + dice.choice([0.05, 0.1, 0.1, 0.2]), 9)
+            signals = {
+                "ego": {"v": dice.choice([0.0, 2.0]), "w": 0.0},
+                "objects": {"id": [], "v": []},
+                "flag": False,
+            }
+            missed = dice.random() < 0.15
+            cycles += [None] * dice.choice([1, 2]) if missed else [{"id": number, "t": t, "signals": signals}]
+        found = said(evaluators, cycles)
+        assert found["numpy"] == found["reference"]
+        assert found["c"] == found["reference"]
+        verdicts |= {verdict for each in found["c"][:-1] for verdict, *_ in each.values()}
+    assert {"undefined", "satisfied", "violated", "open"} <= verdicts
+
+
 def test_rules_by_themselves_are_saved_in_the_middle() -> None:
     """Saved after any cycle, another run of the same program goes on as if nothing had happened; what was changed is refused."""
     spec = loads(
