@@ -134,7 +134,7 @@ def test_what_a_test_comes_to_is_held_from_the_next_acceptance_on(
         # What is said is what somebody was told, step by step; less that was accepted may be more again.
         [{"asil": "D"}, {"asil": "A"}, {"asil": "B"}],
         [{"asil": "D"}, {"asil": "C"}, {"asil": "A"}],
-        [{"source": "a"}, {"source": "b"}, {"source": "c"}],
+        [{"statement": "a"}, {"statement": "b"}, {"statement": "c"}],
         [{"refines": ["R-1", "R-2"]}, {"refines": ["R-2"]}, {"refines": ["R-3"]}],
         [{"refines": ["R-1", "R-2"]}, {"refines": ["R-2"]}, {"refines": ["R-2", "R-3"]}],
     ],
