@@ -296,7 +296,15 @@ def test_of_all_tests_of_what_is_not_demanded_one_finding_tells(tmp_path: Path) 
         found.message
         == "the test `door_0` of `tests.test_a` and 299 more verify `S-9`, which is no requirement"
     )
-    assert (found.subject, len(found.about)) == ("S-9", 300)
+    assert (found.subject, len(found.about)) == ("S-9", 301)
+
+
+def test_who_answers_for_one_of_them_has_not_answered_for_the_others(tmp_path: Path) -> None:
+    """A waiver's subject is the requirement where a test names one, and the test where it names several."""
+    small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
+    cases = PASSED.format("door", "S-8") + PASSED.format("gate", "S-8, S-9")
+    found = [finding for finding in report(small, cases).matrix().findings if finding.code == "T336"]
+    assert [finding.subject for finding in found] == ["S-8", "gate"]
 
 
 def test_a_test_that_names_thousands_that_there_are_not_is_told_once(tmp_path: Path) -> None:

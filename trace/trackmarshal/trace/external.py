@@ -194,7 +194,7 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
     skipped: dict[str, list[External]] = {}
     stale: dict[str, list[External]] = {}
     unnamed: dict[str, list[External]] = {}
-    loose: dict[tuple[tuple[str, str], tuple[str, ...]], list[External]] = {}
+    loose: dict[tuple[tuple[str, str], tuple[str, ...], str], list[External]] = {}
     for external in tests:
         test = external.test
         unknown = [id_ for id_ in test.requirements if id_ not in project.by_id]
@@ -203,7 +203,8 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
         ]
         for ids, why in ((unknown, _UNKNOWN), (obsolete, _OBSOLETE)):
             if ids:
-                loose.setdefault((why, tuple(ids)), []).append(external)
+                # Of several, a test is told by itself: who answers for one of them has not answered for the others.
+                loose.setdefault((why, tuple(ids), test.name * (len(ids) > 1)), []).append(external)
         status, detail = verdict(test)
         if not test.requirements:
             if status == "failed":
@@ -217,7 +218,7 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
         elif status == "stale":
             stale.setdefault(test.report, []).append(external)
     # One cause for all tests of it: of a requirement that is struck, or whose file cannot be read, there may be hundreds.
-    for (why, named), those in loose.items():
+    for (why, named, alone), those in loose.items():
         shown = ", ".join(f"`{id_}`" for id_ in named[:3])
         listed = (
             f"{shown} and {len(named) - 3} more" if len(named) > 3 else shown
@@ -227,7 +228,8 @@ def check(project: Project, tests: tuple[External, ...]) -> Iterator[Finding]:
         verifies = f"{which} and {len(others)} more verify" if others else f"{which} verifies"
         message = f"{verifies} {listed}, {why[len(named) > 1]}"
         help_ = did_you_mean(named[0], project.by_id) if why is _UNKNOWN else ""
-        yield Finding("T336", "error", message, those[0].place, help_, named[0], about=(first.name, *others))
+        about = (*named[:3], first.name, *others)
+        yield Finding("T336", "error", message, those[0].place, help_, alone or named[0], about=about)
     for report, those in skipped.items():
         said = "1 test was" if len(those) == 1 else f"{len(those)} tests were"
         message = f"{said} skipped in `{report}`, which counts as not covered"
