@@ -9,7 +9,6 @@ from unittest import mock
 
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal.cli import compile as verb
-from trackmarshal.scenarios.recording import Recording
 
 SCENARIOS = sorted((REPOSITORY / "specs" / "scenarios").glob("*.tmrec.jsonl*"))
 
@@ -44,8 +43,3 @@ def emit(
     with contextlib.nullcontext() if stack else untaken, contextlib.nullcontext() if root is None else told:
         assert verb.run(parser.parse_args(words)) == 0
     return folder
-
-
-def tables_of(recording: Recording, known: set[str]) -> dict[str, list[list[float]]]:
-    """The tables of a recording that a spec declares."""
-    return {name: rows for name, rows in recording.tables.items() if name in known}

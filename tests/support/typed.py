@@ -406,7 +406,6 @@ class Attributes:
     heading: float = 0.0
 
 
-_FLAT = ("numbers", "ids")  # what an array of numbers can be made of; the ids are then counted
 _NUMBER = ("number", "id")
 _SEQUENCE = ("numbers", "Booleans", "ids", "records", "points")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from weakref import WeakValueDictionary
 
 import trackmarshal.prelude
-from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
+from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below, fetching
 from trackmarshal.library import INSTALLED, LIBRARY
@@ -357,14 +357,3 @@ def from_library(module: LoadedModule, project: Path | None) -> bool:
     path = _real(module.path)
     own = not INSTALLED and project is not None and path.is_relative_to(_real(project))
     return path.is_relative_to(LIBRARY) and not own
-
-
-def load_or_raise(paths: Iterable[Path], shown_from: Path | None = None) -> tuple[Library, tuple[str, ...]]:
-    """A library and the names asked for; raises what is wrong with reading or syntax."""
-    library = Library(shown_from)
-    names = library.load(paths)
-    if library.failures:
-        raise library.failures[0]
-    if library.found:
-        raise Diagnostics(library.found)
-    return library, names

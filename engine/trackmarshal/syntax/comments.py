@@ -7,7 +7,6 @@ import re
 from trackmarshal.node import Node
 
 _COMMENT = re.compile(r'"(?:[^"\\\n]|\\.)*"|(--[^\n]*)')
-_BLANK_LINE = re.compile(r"\n[ \t]*\n[ \t]*\Z")
 
 
 class Comment(Node):

@@ -13,7 +13,6 @@ from trackmarshal.trace.values import Placed
 from trackmarshal.trace.waivers import plain
 
 _ALIKE = str.maketrans({"O": "0", "I": "1", "L": "1", "S": "5", "B": "8", "Z": "2"})
-_LEVEL = {"QM": 0, "A": 1, "B": 2, "C": 3, "D": 4}
 _NOWHERE = Place("")
 
 

@@ -20,16 +20,6 @@ if TYPE_CHECKING:
 _UNSUPPORTED = 4
 
 
-def uses_paths(plan: Layout) -> bool:
-    """Whether a rule projects onto the path of a trajectory."""
-    return any(
-        isinstance(n, ir.Line) and n.kind == "path"
-        for r in plan.rules
-        if r.formula is not None
-        for n in ir.below(r.formula)
-    )
-
-
 def has_geometry(plan: Layout) -> bool:
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
     return any(

@@ -96,10 +96,9 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.
                 *(c.Literal(literal(end)) for end in ends),
                 truth(node.past),
             )
-            of = "_of" if course else ""
             if isinstance(node, ir.Until):
-                return self.call(f"tm_held{of}", *window, *own, target)
-            return self.call(f"tm_extreme{of}", *window, truth(node.extreme is Extreme.LEAST), *own, target)
+                return self.call("tm_held", *window, *own, target)
+            return self.call("tm_extreme", *window, truth(node.extreme is Extreme.LEAST), *own, target)
         case ir.Shift():
             return self.call("tm_shift", context, total, truth(node.step > 0), truth(node.weak), *own, target)
         case _:
@@ -116,14 +115,15 @@ def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr) ->
     upper = math.inf if node.upper is None else node.upper
     times = _times(self, node.axis)
     back = c.Literal(literal(_bound(upper) if course else upper))
-    return self.call("tm_tally_last", context, times[0], times[-1], missing, total, back, *own, target)
+    return self.call("tm_tally_last", context, *times, missing, total, back, *own, target)
 
 
-def _times(self: Writer, axis: ir.Axis) -> tuple[c.Expr, ...]:
-    """When samples are: times, or of a course the beginnings and ends."""
+def _times(self: Writer, axis: ir.Axis) -> tuple[c.Expr, c.Expr]:
+    """When samples begin and end: those of a course may be gaps, those of a timeline end where they begin."""
     if axis.signal in self.plan.courses:
         return _of_course(self, axis, "begin"), _of_course(self, axis, "end")
-    return (self.field(axis.signal, "t"),)
+    times = self.field(axis.signal, "t")
+    return times, times
 
 
 def _of_course(self: Writer, axis: ir.Axis, member: str) -> c.Expr:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import cached_property, lru_cache
 from itertools import accumulate
 from typing import Any, assert_never
@@ -432,8 +432,3 @@ def _to_paths(batch: Batch, signal: str, args: Sequence[Any], shape: tuple[int, 
         x, y, batch.table(signal, "x"), batch.table(signal, "y"), batch.lengths(signal)
     )
     return distance.reshape(shape)
-
-
-def known_objects() -> Iterator[Any]:
-    """The prepared objects, for tests of the cache's bound."""
-    yield from (made for _, made in _prepared.values())

@@ -107,7 +107,6 @@ class Words(Node):
     judged: Mapping[JudgedAt, str]
     whenever: str
     deadline: str
-    except_for: str
     except_why: str
     colon: str
     here: str

@@ -31,7 +31,6 @@ _TALLY: dict[str, Any] = {
     "nothing": "tm_no_tally()",
     "join": "  return tm_tallied(newer, older);",
 }
-_STEP = "{tm_unknown_any(), tm_unknown_any()}"
 WINDOWS: dict[str, dict[str, Any]] = {
     "once": {**_CASES, "nothing": "tm_false_any()", "join": "  return tm_or_any(newer, older);"},
     "historically": {**_CASES, "nothing": "tm_true_any()", "join": "  return tm_and_any(newer, older);"},

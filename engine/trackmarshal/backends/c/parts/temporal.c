@@ -13,8 +13,19 @@ static double tm_time(const double *t, size_t n, bool past, size_t j) {
   return past ? -t[(n - 1u) - j] : t[j];
 }
 
-/** always, eventually, historically, once: the extreme over every window by a queue of candidates, linear in n. */
-static void tm_extreme(tm_context *c, const double *t, size_t n, double a, double b, bool past, bool least,
+/** Where a window begins to hold a sample that begins and ends so, counted in an operator's direction. */
+static double tm_near_end(const double *begin, const double *end, size_t n, bool past, size_t j) {
+  return past ? -begin[(n - 1u) - j] : end[j];
+}
+
+/** How far a window has to reach to hold a sample, counted in an operator's direction. */
+static double tm_far_end(const double *begin, const double *end, size_t n, bool past, size_t j) {
+  return past ? -end[(n - 1u) - j] : begin[j];
+}
+
+/** always, eventually, historically, once: the extreme over every window by a queue of candidates, linear in n. Samples of a course may be
+   gaps, which begin and end: a part in the window is enough. Those of a timeline end where they begin. */
+static void tm_extreme(tm_context *c, const double *begins, const double *ends, size_t n, double a, double b, bool past, bool least,
                        size_t from, size_t to) {
   const tm_series *x = &c->series[from];
   tm_series *y = &c->series[to];
@@ -25,8 +36,8 @@ static void tm_extreme(tm_context *c, const double *t, size_t n, double a, doubl
   size_t tail = 0u;
   size_t decisive = 0u; /* samples in the window that fail (least), or that hold */
   for (size_t k = 0u; k < n; ++k) {
-    const double now = tm_time(t, n, past, k);
-    while ((begin < n) && ((begin < k) || !((now + a) <= tm_time(t, n, past, begin)))) {
+    const double now = tm_time(begins, n, past, k);
+    while ((begin < n) && ((begin < k) || !((now + a) <= tm_near_end(begins, ends, n, past, begin)))) {
       const size_t at = past ? ((n - 1u) - begin) : begin;
       if ((begin < end) && (x->sat[at] != least)) {
         --decisive;
@@ -39,7 +50,7 @@ static void tm_extreme(tm_context *c, const double *t, size_t n, double a, doubl
     while ((head < tail) && (c->queue[head] < begin)) {
       ++head;
     }
-    while ((end < n) && (tm_time(t, n, past, end) <= (now + b))) {
+    while ((end < n) && (tm_far_end(begins, ends, n, past, end) <= (now + b))) {
       const size_t at = past ? ((n - 1u) - end) : end;
       const double key = sign * x->margin[at];
       while (head < tail) {
@@ -67,9 +78,9 @@ static void tm_extreme(tm_context *c, const double *t, size_t n, double a, doubl
   }
 }
 
-/** until, since: every window as a composition of the steps x -> max(q, min(p, x)), in two stacks; linear in n. */
-static void tm_held(tm_context *c, const double *t, size_t n, double a, double b, bool past, size_t from_p, size_t from_q,
-                    size_t to) {
+/** until, since: every window as a composition of the steps x -> max(q, min(p, x)), in two stacks; linear in n. Samples begin and end, as above. */
+static void tm_held(tm_context *c, const double *begins, const double *ends, size_t n, double a, double b, bool past, size_t from_p,
+                    size_t from_q, size_t to) {
   const tm_series *p = &c->series[from_p];
   const tm_series *q = &c->series[from_q];
   tm_series *y = &c->series[to];
@@ -84,7 +95,7 @@ static void tm_held(tm_context *c, const double *t, size_t n, double a, double b
   size_t tail = 0u;
   size_t failing = 0u;
   for (size_t k = 0u; k < n; ++k) {
-    const double now = tm_time(t, n, past, k);
+    const double now = tm_time(begins, n, past, k);
     if ((k > 0u) && (k <= begin)) { /* sample k - 1 no longer counts */
       const size_t gone = past ? ((n - 1u) - (k - 1u)) : (k - 1u);
       if (!p->sat[gone]) {
@@ -94,7 +105,7 @@ static void tm_held(tm_context *c, const double *t, size_t n, double a, double b
     while ((head < tail) && (c->queue[head] < k)) {
       ++head;
     }
-    while ((begin < n) && ((begin < k) || !((now + a) <= tm_time(t, n, past, begin)))) {
+    while ((begin < n) && ((begin < k) || !((now + a) <= tm_near_end(begins, ends, n, past, begin)))) {
       if (begin >= k) {
         const size_t at = past ? ((n - 1u) - begin) : begin;
         while (head < tail) {
@@ -113,7 +124,7 @@ static void tm_held(tm_context *c, const double *t, size_t n, double a, double b
       ++begin;
     }
     size_t stop = (end < begin) ? begin : end;
-    while ((stop < n) && (tm_time(t, n, past, stop) <= (now + b))) {
+    while ((stop < n) && (tm_far_end(begins, ends, n, past, stop) <= (now + b))) {
       ++stop;
     }
     if (begin >= mid) {

@@ -9,7 +9,6 @@ from typing import Any
 from trackmarshal.trace.report.reading import (
     CANDIDATES,
     DECISIONS,
-    UNSAFE,
     VERDICTS,
     Rule,
     Run,
@@ -199,7 +198,3 @@ def _segments(
 
 def _when(run: Run, first: int, last: int) -> str:
     return f"{interval(run.t[first], run.t[last])} {run.time_unit}"
-
-
-def unsafe_letters(letters: str) -> bool:
-    return any(letter in UNSAFE for letter in letters)
