@@ -154,6 +154,11 @@ def test_candidates_and_tests_and_findings() -> None:
     Path("cut.spec").write_text("module cut\nrule", "utf-8")
     (found,) = printed("check", "bad.spec", "cut.spec", "--format", "json")
     assert {"E301"} <= {one["code"] for one in found}
+    (untested,) = printed("test", "bad.spec", "cut.spec", "--format", "json")
+    assert not untested["tests"] and {one["code"] for one in untested["findings"]} == {
+        one["code"] for one in found
+    }
+    assert tests["findings"] == []
 
 
 @pytest.mark.usefixtures("folder")

@@ -129,12 +129,23 @@ def test_from_a_test_up_to_what_may_harm_somebody(warehouse: Path) -> None:
         (("--from", "SYS-1", "--to", "test", "--gate"), "`--gate` says nothing beside a question"),
         (("--statistics", "--accept-baseline"), "`--accept-baseline` says nothing beside a question"),
         (("--statistics", "--rerun"), "`--rerun` says nothing beside a question"),
+        (
+            ("--from", "rule", "--to", "test", "--statistics", "--format", "csv"),
+            "paths and numbers are two tables, and CSV is one",
+        ),
     ],
 )
 def test_questions_that_cannot_be_answered(warehouse: Path, arguments: tuple[str, ...], said: str) -> None:
     status, out, err = command(warehouse, "trace", *arguments)
     assert (status, out) == (2, "")
     assert f"error[T169]: {said}" in err
+
+
+@pytest.mark.parametrize("arguments", [("--by", "Ann"), ("--reason", "it is so", "--gate")])
+def test_who_accepts_accepts_something(warehouse: Path, arguments: tuple[str, ...]) -> None:
+    status, out, err = command(warehouse, "trace", *arguments)
+    assert (status, out) == (2, "")
+    assert f"error[T378]: `{arguments[0]}` is of an acceptance, and nothing is accepted" in err
 
 
 def test_numbers(warehouse: Path) -> None:

@@ -59,6 +59,12 @@ def answer(matrix: Matrix, args: argparse.Namespace) -> int:
             f"a question has no answer as {args.format}",
             help="formats are " + ", ".join(answers.FORMATS),
         )
+    if args.format == "csv" and args.source is not None and args.statistics:
+        raise TrackmarshalError(
+            "T169",
+            "paths and numbers are two tables, and CSV is one",
+            help="ask twice, or for `--format json`",
+        )
     graph = matrix.graph
     counted = numbers(matrix) if args.statistics else None
     if args.source is not None:

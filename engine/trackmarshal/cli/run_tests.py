@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,10 @@ from trackmarshal.cli.project import find_project, optional_project, spec_folder
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
+    from trackmarshal.cli.tests_shown import Where
+    from trackmarshal.diagnostics.base import Diagnostic
     from trackmarshal.testing.boundary import Distances
+    from trackmarshal.testing.run import Coverage, Outcome
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -45,10 +49,7 @@ def run(args: argparse.Namespace) -> int:
         compiled.raise_errors()
     except TrackmarshalError as error:
         wrong = error.items if isinstance(error, Diagnostics) else [error]
-        if args.format == "junit":  # what is empty is no report to those who read it
-            print(tests_shown.as_junit([], [], wrong, where), end="")
-        elif args.format == "github":
-            print(tests_shown.as_github([], [], wrong, where), end="")
+        _print([], [], wrong, args.format, where)  # what is empty is no report to those who read it
         raise
     tests, found = prepare(compiled)
     found = [*found, *unconstrained(compiled)]
@@ -61,13 +62,7 @@ def run(args: argparse.Namespace) -> int:
     covered = coverage(compiled.spec, tests, unmoved, distances, failed)
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
-    if args.format == "json":
-        print(tests_shown.as_json(outcomes, covered, where))
-    elif args.format == "github":
-        print(tests_shown.as_github(outcomes, covered, found, where), end="")
-    elif args.format == "junit":
-        print(tests_shown.as_junit(outcomes, covered, found, where), end="")
-    else:
+    if not _print(outcomes, covered, found, args.format, where):
         for outcome in bad:
             say(
                 f"{outcome.outcome}: {outcome.test.span}: {outcome.test.rule.name}: {outcome.test.title}",
@@ -93,6 +88,20 @@ def run(args: argparse.Namespace) -> int:
             f"{len(outcomes) - len(bad)} passed, {len(bad)} failed; {len(covered) - len(partial)} of {len(covered)} rules covered"
         )
     return 1 if bad or found or partial else 0
+
+
+def _print(outcomes: Sequence[Outcome], covered: Sequence[Coverage], found: Sequence[Diagnostic | TrackmarshalError], format_: str, where: Where) -> bool:  # fmt: skip
+    """The report in one of the formats for machines; whether it is one."""
+    match format_:
+        case "json":
+            print(tests_shown.as_json(outcomes, covered, found, where))
+        case "github":
+            print(tests_shown.as_github(outcomes, covered, found, where), end="")
+        case "junit":
+            print(tests_shown.as_junit(outcomes, covered, found, where), end="")
+        case _:
+            return False
+    return True
 
 
 def _distances(project: Path | None) -> Distances:

@@ -17,14 +17,22 @@ if TYPE_CHECKING:
 Where = Callable[[str], str] | None
 
 
-def as_json(outcomes: Sequence[Outcome], covered: Sequence[Coverage], where: Where) -> str:
+def as_json(
+    outcomes: Sequence[Outcome],
+    covered: Sequence[Coverage],
+    found: Sequence[Diagnostic | TrackmarshalError],
+    where: Where,
+) -> str:
     """One line of strict JSON."""
+    from trackmarshal.diagnostics.json import records
+
     called = where or str
     return dump({
         "tests": [{"rule": o.test.rule.name, "title": o.test.title, "outcome": o.outcome, "message": o.message,
                    "file": called(o.test.span.file.path), "line": o.test.span.line} for o in outcomes],
         "coverage": [{"rule": c.rule.name, "tests": c.tests, "satisfied": c.satisfied, "violated": c.violated, "boundary": c.boundary}
                      for c in covered],
+        "findings": records(found, where),
     })  # fmt: skip
 
 

@@ -74,6 +74,8 @@ _PAIRS = tuple(
         ("/", r"\Ause[ \t]+[\w.]+", "the parts of a module's name are joined by `.`"),
         (":", r"\n[ \t]+let[ \t]+\w+", "a `let` has no unit of its own: write `=`"),
         (r"\.", r"\b(always|eventually|historically|once|since|until)[ \t]*(\([^()\n]*)\)[ \t]*\w+", r"a window stands in square brackets: `\1[0 s, 2 s]`"),
+        (".*", r"\b(always|eventually|historically|once|since|until)[ \t]+([0-9.]+[ \t]*(?:ms|s|min))(?:[ \t]+\w+)?", r"a window stands in square brackets: `\1[0 s, \2]`"),
+        ("within|for|in|during", r"\b(always|eventually|historically|once|since|until)", r"a window stands in square brackets, behind the word: `\1[0 s, 2 s]`"),
         ("[A-Z]", r"\b(?:satisfies|assuming)[ \t]+(?:[\w.-]+[ \t]*,[ \t]*)*[\w.-]+", "ids are parted by commas"),
         (r"[0-9]", r"\bsatisfies\b[^\n]*", "an id starts with a capital letter: `S-1-A-4`; what a rule is taken from is its `source`"),
         (r"[0-9]", r"\bsource[ \t]+(\w+)", r"say of what kind: `source \1 section FOUND`"),
@@ -357,7 +359,7 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
         )
     if "LSQB" in expected and "_ZONE" in expected and found.isidentifier():
         return f"for a range write `in [a, b]`, for a place `in zone {found}`"
-    if "LSQB" in expected and "_ZONE" in expected and found == "(":
+    if "LSQB" in expected and "_ZONE" in expected and re.match(r"[(0-9]", found):
         return "a range stands in square brackets, `in [a, b]`, and both ends belong to it"
     if found in ("{", "}") and keyword in ("rule", "assume", "state", "test"):
         return "clauses stand without braces"

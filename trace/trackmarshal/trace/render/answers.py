@@ -25,7 +25,7 @@ def paths(graph: Graph, found: Sequence[Path], format: str, counted: Sequence[Nu
         return _json(
             {"format": "trackmarshal-paths", "version": 1, "paths": [_path(graph, path) for path in found], **asked}
         )  # fmt: skip
-    return _paths(graph, found, format) + ("" if counted is None else numbers(counted, format))
+    return _paths(graph, found, format) + ("" if counted is None else "\n" + numbers(counted, format))
 
 
 def _paths(graph: Graph, found: Sequence[Path], format: str) -> str:
