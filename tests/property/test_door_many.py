@@ -93,6 +93,23 @@ def test_admitted_together_and_one_by_one(contract: Contract) -> None:
     assert single.last == many.last
 
 
+def test_what_is_known_besides_excuses_nothing_that_is_declared(contract: Contract) -> None:
+    """A recording may name fields that rules of another project read; what is wrong with one of ours is wrong."""
+    rng = random.Random(20261128)
+    limits = replace(Limits(), oldest=1e9, clock_tolerance=1e9)
+    also = frozenset(
+        f"{name}.{field}"
+        for name, columns in cycle(0).signals.items() if name != "track" for field in columns
+    ) | {f"{name}.{field}" for name in ("driving", "emergency") for field in cycle(0).driving}  # fmt: skip
+    told = 0
+    for number in range(150):
+        given = mutate(rng, cycle(number, 2, 2))[0]
+        plain, excused = (Door(contract, limits).admit(-1, one, given.t) for one in (given, replace(given, also=also)))  # fmt: skip
+        assert excused.faults == plain.faults
+        told += bool(plain.faults)
+    assert told > 50
+
+
 def test_what_was_admitted_together_stays_as_it_is(contract: Contract) -> None:
     """Whatever a caller does to its lists later, and nobody writes to a plan."""
     given = [listed(cycle(number), extra=False) for number in range(3)]
