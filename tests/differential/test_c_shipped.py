@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from support import seed
-from support.agreement import outcomes
+from support.agreement import outcomes, same_witness
 from support.length import at_length
 from support.shared import oracle, shared
 from support.supervised import shipped
@@ -111,5 +111,5 @@ def test_results_have_the_witnesses_of_the_reference() -> None:
     ):
         assert one.safe == other.safe
         for name, result in one.rules.items():
-            assert result.witness == other.rules[name].witness
+            assert same_witness(result, other.rules[name])
             assert (result.unit, result.reason) == (other.rules[name].unit, other.rules[name].reason)

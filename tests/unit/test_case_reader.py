@@ -342,6 +342,36 @@ def test_overrides_are_in_the_declared_units(reader: CasesReader) -> None:
     assert reader.read({**GOOD, "params": None, "tables": None, "places": {}}).settings.params == {}
 
 
+ROWS = [[0, 1], [36, 2]]
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        tuple(map(tuple, ROWS)), np.array(ROWS), np.array(ROWS, dtype=">f4"), np.array(ROWS, dtype=object), [np.array(row) for row in ROWS],
+        np.array([[0, 9, 1], [36, 9, 2]])[:, ::2], [[np.float32(0), np.int8(1)], [np.array(36), np.float64(2)]],
+    ],
+    ids=["tuples", "whole numbers", "short and the other way round", "objects", "rows", "strided", "scalars"],
+)  # fmt: skip
+def test_rows_are_of_what_numbers_may_be(reader: CasesReader, rows: Any) -> None:
+    for name, into, wanted in (
+        ("tables", "ax_max", ((0.0, 10.0), (1.0, 2.0))), ("places", "pit", ((0.0, 1.0), (36.0, 2.0), (1.0, 0.0)))
+    ):  # fmt: skip
+        given = rows if name == "tables" else [*rows, [1, 0]]
+        settings = reader.read({**GOOD, name: {into: given}}).settings
+        assert (settings.tables or settings.places) == {f"door.{into}": wanted}
+
+
+@pytest.mark.parametrize(
+    "rows", [np.array(ROWS, dtype=complex), [[0, "1"]], np.array(["ab", "cd"]), np.array(7.0), "rows", {0: 1, 36: 2}, {"a": [0, 1]}.values()]
+)  # fmt: skip
+def test_and_of_nothing_else(reader: CasesReader, rows: Any) -> None:
+    for name, into in (("tables", "ax_max"), ("places", "pit")):
+        with pytest.raises(TrackmarshalError) as caught:
+            reader.read({**GOOD, name: {into: rows}})
+        assert caught.value.code == "D202"
+
+
 @pytest.mark.parametrize(
     ("case", "meant"),
     [
