@@ -627,7 +627,8 @@ class Interner:
         whole: tuple[Any, ...] = parts
         if named:
             rest = cast("type[IR]", kind).fields[len(parts) :]
-            assert len(rest) == len(named), f"{rest} are to be given, not {[*named]}"
+            if len(rest) != len(named):
+                raise AssertionError(f"{rest} are to be given, not {[*named]}")
             whole = (*parts, *(named[name] for name in rest))
         # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
         key = (kind, *[repr(part) if type(part) is float else part for part in whole])

@@ -89,7 +89,8 @@ class RemoteStepper:
         lanes: Sequence[Lanes] = (),
     ) -> Said:  # fmt: skip
         """As a Stepper's; the process reads the clock itself. Raises NoAnswer."""
-        assert not lanes, "messages have none: a process that would need them is not built"
+        if lanes:
+            raise AssertionError("messages have none: a process that would need them is not built")
         order = self.words
         given = [_columns(one, name in self._records) for name, one in zip(order.columns, columns)]
         for name in order.ids:
@@ -216,9 +217,10 @@ class _Matrix(Block):
             if values is None or not entries:
                 continue
             room, first = entries[0].room, entries[0]
-            assert [entry.offset for entry in entries] == [
-                first.offset + k * room * values.itemsize for k in range(len(entries))
-            ]
+            if any(
+                entry.offset != first.offset + k * room * values.itemsize for k, entry in enumerate(entries)
+            ):
+                raise AssertionError("columns of one kind stand one behind the other")
             whole = np.ndarray((len(entries), room), values.dtype, message, first.offset)
             whole[:, : given.count] = values[:, :room]
         return given.count

@@ -261,7 +261,8 @@ class Sentences(Phrases):
         words, single = self.words, self._single(node, deny)
         if single is not None:
             return single
-        assert not deny
+        if deny:
+            raise AssertionError("what has no word for its contrary is denied by those around it")
         match node:
             case typed.Not():
                 if self._deniable(node.operand):

@@ -104,7 +104,8 @@ def content(piece: Layout) -> str:
 
 def string_sign(sign: str) -> str:
     """A sign that is one character of mathematics to Typst too, with its own spacing."""
-    assert len(sign) == 1, sign
+    if len(sign) != 1:
+        raise AssertionError(sign)
     return sign
 
 

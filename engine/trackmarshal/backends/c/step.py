@@ -303,8 +303,8 @@ class Stepper:
     ) -> None:  # fmt: skip
         """The words of a cycle that came, number and stamp 0, whose columns are read where they are. Raises AssertionError for a program
         that knows elements again."""
-        assert not self.words.ids
-        assert not self.words.lanes
+        if self.words.ids or self.words.lanes:
+            raise AssertionError("elements that are known again have more words")
         own: list[Any] = []
         for entry in columns:
             flags = 0 if entry.flags is None else entry.flags.ctypes.data

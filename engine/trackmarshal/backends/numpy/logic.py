@@ -52,7 +52,8 @@ class Side:
     __slots__ = ("_sat", "margin", "says")
 
     def __init__(self, margin: Any, says: int, sat: Any = None) -> None:
-        assert (says == NEITHER) == (sat is not None)
+        if (says == NEITHER) != (sat is not None):
+            raise AssertionError("a margin says whether a formula holds, or somebody else does")
         self.margin, self.says, self._sat = margin, says, sat
 
     @property

@@ -147,7 +147,8 @@ class Border:
             pair, row = np.ascontiguousarray(is_best.T).nonzero()
             first = starts_of(point.take(pair))
             pair, row = pair.take(first), row.take(first)
-        assert pair.size == best.size, "each point has one nearest segment"
+        if pair.size != best.size:
+            raise AssertionError("each point has one nearest segment")
         nearest = np.empty(best.size, dtype=np.intp)
         nearest[point.take(pair)] = k[row, pair]
         return nearest, best
@@ -211,7 +212,8 @@ class Border:
 def _least_of(point: Ints, numbers: Floats, count: int) -> Floats:
     """Of numbers (n, pairs), the pairs ordered by point, the least of each point, (count,): each of them has some."""
     least: Floats = np.minimum.reduceat(np.minimum.reduce(numbers, axis=0), starts_of(point))
-    assert least.size == count, "each point has a nearest segment"
+    if least.size != count:
+        raise AssertionError("each point has a nearest segment")
     return least
 
 

@@ -40,7 +40,8 @@ def boxes_clear(
     Apart: the Euclidean distance. Overlapping: minus the shortest move that frees one of the other. NaN for a pose or size
     that is none. `bend`: the curvatures at both poses [1/m], for a vehicle that follows a curve; nothing for one that goes straight.
     """
-    assert len(bend) in (0, 2), bend
+    if len(bend) not in (0, 2):
+        raise AssertionError(f"a way has no curvatures or two, not {len(bend)}")
     body = _table((x0, y0, heading0, x1, y1, heading1, length, width, *bend))
     box = _table((box_x, box_y, box_heading, box_length, box_width))
     return _clearance(body, box)

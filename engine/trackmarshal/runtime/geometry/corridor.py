@@ -194,7 +194,8 @@ def _bodies(
 ) -> tuple[Floats, float | Floats, float | Floats, Floats | None]:
     """A table of poses, (6, N), sizes, numbers or (N,), and curvatures, (2, N), where there are any; all arguments broadcast, to N
     bodies in all."""
-    assert len(bend) in (0, 2), bend
+    if len(bend) not in (0, 2):
+        raise AssertionError(f"a way has no curvatures or two, not {len(bend)}")
     arrays = [np.asarray(column, dtype=np.float64) for column in (*columns, *bend, length, width)]
     shape = np.broadcast(*arrays).shape
     count = 6 + len(bend)

@@ -145,7 +145,8 @@ def _group(signal: Signal, infos: Sequence[tuple[Any, str]], c_name: str, candid
 
 
 def _bordered(signal: Signal, c_name: str, made: Table) -> dict[str, Any]:
-    assert signal.form == LINES
+    if signal.form != LINES:
+        raise AssertionError(f"{signal.name} has no borders")
     lines = [
         {"c": member, "slot": slot}
         for slot, (name, _, _, member) in enumerate(made.lines)

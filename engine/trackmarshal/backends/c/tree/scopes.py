@@ -56,7 +56,8 @@ class Scope:
     def close(self, inner: Scope) -> None:
         """End the inner scope that was opened last."""
         last = self.opened.pop()
-        assert last is inner
+        if last is not inner:
+            raise AssertionError("scopes end in the order in which they were opened, the last one first")
 
     def chain(self) -> Iterator[Scope]:
         """This scope and those around it, the innermost first."""

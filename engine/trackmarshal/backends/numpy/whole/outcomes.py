@@ -20,7 +20,8 @@ Codes = NDArray[np.uint8]
 SATISFIED, VIOLATED, UNDEFINED, INACTIVE, OPEN = (
     np.uint8(VERDICTS.index(name)) for name in ("satisfied", "violated", "undefined", "inactive", "open")
 )
-assert VIOLATED == SATISFIED + 1
+if VIOLATED != SATISFIED + 1:
+    raise AssertionError("codes of verdicts are no longer counted on from that of what is satisfied")
 #: By code, how bad a verdict is: 0 the worst.
 BADNESS = np.array([RANK.index(name) for name in VERDICTS], dtype=np.uint8)
 #: By how bad one is, its code.
@@ -83,7 +84,8 @@ def following(parts: Sequence[Said]) -> Said:
     given = [part for part in parts if part is not None]
     if not given:
         return None
-    assert len(given) == len(parts), "a rule is decided at once, or it is not"
+    if len(given) != len(parts):
+        raise AssertionError("a rule is decided at once, or it is not")
 
     def said() -> Saying:
         found = [part() for part in given]
