@@ -293,7 +293,9 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
         ("x.xml", b"<commonRoad/>", "D121"),
         ("x", b"", "D121"),
     ],
-)
+    # Packed data begins with the time: as names of tests, two processes that collect them would have two each.
+    ids=["cut off", "damaged", "no end", "packed nothing", "empty", "empty saa", "no zip", "pickle", "xml", "no suffix"],
+)  # fmt: skip
 def test_other_files_are_refused(tmp_path: Path, name: str, data: bytes, code: str) -> None:
     (tmp_path / name).write_bytes(data)
     with pytest.raises(TrackmarshalError) as caught:

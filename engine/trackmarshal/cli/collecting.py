@@ -9,6 +9,8 @@ from functools import cache
 
 #: After how many more objects than were freed the youngest are looked at, and after how many such looks the older ones are.
 _SELDOM = (2_000_000, 20, 50)
+#: How many objects may be set aside by nobody: Python 3.12 begins with some hundred. Who sets a program aside has tens of thousands.
+_OF_PYTHON = 1000
 
 
 @contextmanager
@@ -30,4 +32,4 @@ def seldom() -> Iterator[None]:
 @cache
 def _set_aside() -> bool:
     """Whether others set objects aside, which stay there. Asked once: the answer counts all of them."""
-    return gc.get_freeze_count() > 0
+    return gc.get_freeze_count() > _OF_PYTHON
