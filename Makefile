@@ -1,6 +1,7 @@
 # Everything below sets up what it needs: a virtual environment with pinned dependencies.
 PYTHON ?= python3
 VENV := .venv
+CONSTRAINTS := constraints.txt
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.ready
 # As an installation has it: where Python may not keep what it compiles, every start would compile all modules again.
@@ -10,7 +11,7 @@ PARALLEL := -n auto --dist loadfile
 
 LOOP := build/closed-loop
 
-.PHONY: assess test acceptance closed-loop embedded field bench lint format clean
+.PHONY: assess test oldest acceptance closed-loop embedded field bench lint format clean
 
 assess: $(STAMP)  ## check, test, replay, collect evidence; writes out/assess/index.html
 	$(BIN)/trackmarshal assess --out out/assess
@@ -32,6 +33,9 @@ tests: $(STAMP)
 	rm -f out/tests/pytest.json out/tests/pytest.xml
 	MAKEFLAGS= $(BIN)/python -m pytest $(PARALLEL) --assert=plain --junitxml=out/tests/pytest.xml --trackmarshal-results=out/tests/pytest.json \
 		|| { MAKEFLAGS= $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; false; }
+
+oldest:  ## the tests with the least versions that pyproject.toml names, in an environment of its own
+	$(MAKE) tests VENV=build/oldest CONSTRAINTS=tests/oldest.txt
 
 acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI
 	sh tests/embedded/tools.sh
@@ -79,10 +83,10 @@ clean:
 	rm -rf $(VENV) out build dist .mypy_cache .ruff_cache .pytest_cache
 	find engine trace -name __pycache__ -exec rm -rf {} +
 
-$(STAMP): pyproject.toml constraints.txt
+$(STAMP): pyproject.toml $(CONSTRAINTS)
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or later is needed; set PYTHON=")'
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e '.[dev]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c $(CONSTRAINTS) -e '.[dev]'
 	$(COMPILE)
 	-$(BIN)/python -m compileall -qq -j 0 -x '/(tests?|pip|mypyc?|setuptools)/' $(VENV)/lib  # on all cores, which pip does on one; what runs, or may
 	touch $@

@@ -30,6 +30,7 @@ WORDS = {"p": "passed", "f": "failed", "e": "error", "s": "skipped"}
         ("mocha_xunit", "pfssspfpf"),
         ("node", "pfsssfp"),
         ("nose2", "psfsse"),
+        ("pytest_8_3", "pfseefees"),
         ("pytest_subtests", "psfsfep"),
         ("unittest", "pfssee"),
         ("vitest", "pfsspfppspff"),
@@ -46,6 +47,7 @@ def test_what_the_runner_says_of_each(report: str, outcomes: str) -> None:
         ("catch2_should_fail", "T335", "take the tag away"),
         ("doctest", "T333", "let CTest run its tests"),
         ("mocha", "T335", "includePending=true"),
+        ("pytest_8_3_subtests", "T335", "have a newer one write it"),
     ],
 )
 def test_a_report_that_does_not_tell_what_came_of_its_tests(report: str, code: str, what_to_do: str) -> None:

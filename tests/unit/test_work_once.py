@@ -80,16 +80,17 @@ def test_a_cycle_is_read_while_somebody_else_imports_masked_arrays(monkeypatch: 
 def test_cases_are_read_without_importing_masked_arrays() -> None:
     source = """
 import sys
+import numpy as np
+of_numpy = "numpy.ma" in sys.modules  # before its version 2, it imports them itself
 import trackmarshal as tm
 from trackmarshal.runtime.door.values import is_array, is_masked, numbers
-import numpy as np
 assert numbers(np.array([1, 2])).tolist() == [1.0, 2.0] and is_array(np.zeros(1)) and not is_array([0.0])
 before = "numpy.ma" in sys.modules
 hidden = np.ma.MaskedArray([1.0, 2.0], [False, True])
 assert is_masked(hidden) and is_array(hidden) and not is_masked(np.zeros(1))
-print(before, numbers(hidden).tolist())
+print(before == of_numpy, numbers(hidden).tolist())
 """
-    assert in_a_process_of_its_own(source) == "False [1.0, nan]"
+    assert in_a_process_of_its_own(source) == "True [1.0, nan]"
 
 
 EGO = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}

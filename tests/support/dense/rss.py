@@ -29,7 +29,8 @@ def stopping(v: float, r: Response) -> float:
     """Way to standstill: response, then braking, m."""
     times = np.linspace(0.0, r.time, 2001)
     speeds = np.maximum(np.minimum(v + r.accelerate * times, r.cap), min(v, r.cap) if v <= r.cap else v)
-    return float(np.trapezoid(speeds, times)) + float(speeds[-1]) ** 2 / (2.0 * r.brake)
+    way = float(np.sum((speeds[1:] + speeds[:-1]) * np.diff(times))) / 2.0
+    return way + float(speeds[-1]) ** 2 / (2.0 * r.brake)
 
 
 def same_direction(rear: float, front: float, r: Response) -> float:
