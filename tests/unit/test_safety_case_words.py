@@ -23,7 +23,7 @@ from trackmarshal.trace.report.svg import boundary
 FOLDER = Path(room.__file__).parent
 #: Beginnings of names that are put together with something of the graph or of a record.
 MADE = (
-    "lacking.", "status.", "meaning.", "thing.", "what.", "level.", "expect.", "fired.", "review.", "clause.", "label.tests_", "label.faults_", "open.", "drawing.none.", "drawing.letter.", "drawing.boundary", "drawing.satisfied", "drawing.violated",
+    "lacking.", "status.", "meaning.", "thing.", "what.", "level.", "finding.", "expect.", "fired.", "review.", "clause.", "label.tests_", "label.faults_", "open.", "drawing.none.", "drawing.letter.", "drawing.boundary", "drawing.satisfied", "drawing.violated",
     "role.", "loop.mark.", *(f"loop.{outcome}" for outcome in OUTCOMES), "faults.", "tools.T", "term.", "gsn.kind.", "gsn.state.", *(f"gsn.{kind}" for kind in LINKS),
 )  # fmt: skip
 

@@ -10,7 +10,6 @@ from trackmarshal.trace.case.model import (
     Code,
     Figure,
     Fixed,
-    Given,
     Line,
     Made,
     Section,
@@ -116,7 +115,7 @@ def wrong(writing: Writing) -> Block | None:
         return None
     columns = (("column.code", 1.0), ("column.finding", 6.0), ("column.place", 3.0))
     rows = [
-        [(Code(f.code), Fixed(" "), Given(f.level)), (Made(f.message),), (Code(str(f.place or "")),)]
+        [(Code(f.code), Fixed(" "), *writing.line(f"finding.{f.level}")), (Made(f.message),), (Code(str(f.place or "")),)]
         for f in found
     ]
     return writing.named("open.argument", [writing.table(columns, rows)])
