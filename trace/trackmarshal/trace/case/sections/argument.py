@@ -115,7 +115,11 @@ def wrong(writing: Writing) -> Block | None:
         return None
     columns = (("column.code", 1.0), ("column.finding", 6.0), ("column.place", 3.0))
     rows = [
-        [(Code(f.code), Fixed(" "), *writing.line(f"finding.{f.level}")), (Made(f.message),), (Code(str(f.place or "")),)]
+        [
+            (Code(f.code), Fixed(" "), *writing.line(f"finding.{f.level}")),
+            (Made(f.message),),
+            (Code(str(f.place or "")),),
+        ]
         for f in found
     ]
     return writing.named("open.argument", [writing.table(columns, rows)])
