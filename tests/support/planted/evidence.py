@@ -28,6 +28,20 @@ from support.planted.edits import (
 )
 
 V, F, A = "requirements/v-model.yaml", "specs/scenarios/faults.yaml", "requirements/assurance.yaml"
+LINKS = "requirements/links.yaml"
+_METHODS = b"""document: link-schema
+title: How this project verifies
+nodes: []
+methods:
+  - {name: test, means: tests that passed, any_of: [{reaches: test, where: [{attribute: outcome, is: [passed]}]}]}
+  - {name: analysis, means: worked out, any_of: [{reaches: analysis}]}
+  - {name: review, means: one passed, any_of: [{reaches: test}, {reaches: scenario}, {reaches: assumption}]}
+  - {name: scenario, means: one passed, any_of: [{reaches: test}, {reaches: scenario}, {reaches: assumption}]}
+  - {name: fault injection, means: one passed, any_of: [{reaches: test}, {reaches: scenario}, {reaches: assumption}]}
+  - {name: monitor, means: one passed, any_of: [{reaches: test}, {reaches: scenario}, {reaches: assumption}]}
+reviewed:
+  - {kind: requirement, from_asil: D}
+"""
 HURRY, CALM = "specs/scenarios/hurry.tmrec.jsonl", "specs/scenarios/calm.tmrec.jsonl"
 DRIVEN = "specs/scenarios/driven.tmrec.jsonl"
 L = "specs/limits.spec"
@@ -205,6 +219,8 @@ FAULTS = [
     Fault("fewer specs", swap(V, "  specs: [specs]", "  specs: [specs/rules.spec]"), "T371"),
     Fault("no campaign", swap(V, "  campaigns: [specs/scenarios/faults.yaml]\n", ""), "T371"),
     Fault("another schema of links", put("requirements/links.yaml", b"document: link-schema\ntitle: None\nnodes: []\n"), "T376"),
+    Fault("methods that are answered by less", all_of(agreed(put(LINKS, _METHODS)), swap(LINKS, "is: [passed]", "is: [passed, failed]")), "T376"),
+    Fault("no reviews asked for any more, in a schema of links", all_of(agreed(put(LINKS, _METHODS)), swap(LINKS, "reviewed:\n  - {kind: requirement, from_asil: D}", "reviewed: []")), "T376"),
     Fault("no baseline any more", swap(V, "  baseline: requirements/baseline.json\n", ""), "T220"),
     Fault("the baseline removed", gone(BASELINE), "T220"),
     Fault("the baseline cut off", remade(BASELINE, lambda data: data[: len(data) // 2]), "T220"),
