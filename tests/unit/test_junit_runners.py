@@ -63,6 +63,26 @@ def _of(tmp_path: Path, text: str) -> list[str]:
     return [test.outcome for test in reading.read(path, "report.xml")]
 
 
+@pytest.mark.parametrize("place", ["setup", "teardown"])
+def test_pytest_counts_twice_what_breaks_behind_a_test_and_nothing_else(place: str, tmp_path: Path) -> None:
+    """One that is left out beside it is missed."""
+    suite = '<testsuites><testsuite name="pytest" errors="1" failures="0" skipped="0" tests="{}">{}</testsuite></testsuites>'
+    cases = (
+        f'<testcase name="a"/><testcase name="b"><error message="failed on {place} with a word"/></testcase>'
+    )
+    whole = 3 if place == "teardown" else 2
+    assert _of(tmp_path, suite.format(whole, cases)) == ["passed", "error"]
+    with pytest.raises(TrackmarshalError, match=f"says it has {whole + 1} tests, and lists 2"):
+        _of(tmp_path, suite.format(whole + 1, cases))
+    # One that failed before is listed twice instead, and did not pass.
+    failed = '<testcase name="a"/><testcase name="b"><failure/></testcase>'
+    twice = suite.replace('failures="0"', 'failures="1"')
+    again = failed + '<testcase name="b"><error message="failed on teardown with a word"/></testcase>'
+    assert _of(tmp_path, twice.format(3, again)) == ["passed", "failed", "error"]
+    with pytest.raises(TrackmarshalError, match="says it has 4 tests, and lists 3"):
+        _of(tmp_path, twice.format(4, again))
+
+
 def test_catch2_lists_what_it_counts_as_failed_and_skipped(tmp_path: Path) -> None:
     """Its counts are of assertions: version 3 counts each `SKIP()`, and what may fail is not among the failed ones."""
     suite = '<testsuites><testsuite name="c" errors="0" failures="{}" skipped="{}" tests="40" hostname="tbd">{}</testsuite></testsuites>'

@@ -141,7 +141,9 @@ def test_questions_that_cannot_be_answered(warehouse: Path, arguments: tuple[str
     assert f"error[T169]: {said}" in err
 
 
-@pytest.mark.parametrize("arguments", [("--by", "Ann"), ("--reason", "it is so", "--gate")])
+@pytest.mark.parametrize(
+    "arguments", [("--by", "Ann"), ("--reason", "it is so", "--gate"), ("--by", "Ann", "--statistics")]
+)
 def test_who_accepts_accepts_something(warehouse: Path, arguments: tuple[str, ...]) -> None:
     status, out, err = command(warehouse, "trace", *arguments)
     assert (status, out) == (2, "")

@@ -75,15 +75,15 @@ def _run(args: argparse.Namespace) -> int:
     root = find_project(args)
     if args.format == "markdown":
         args.format = "md"
-    if asking.asks(args):
-        if args.impact is not None:
-            return impact.answer(root, args)
-        return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
     if (args.by or args.reason) and not args.accept_baseline:
         option = "--by" if args.by else "--reason"
         raise TrackmarshalError(
             "T378", f"`{option}` is of an acceptance, and nothing is accepted", help="add `--accept-baseline`"
         )
+    if asking.asks(args):
+        if args.impact is not None:
+            return impact.answer(root, args)
+        return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
     if args.against is not None and args.format != "html":
         raise TrackmarshalError(
             "T364", f"`--against` shows nothing as {args.format}", help="add `--format html`"

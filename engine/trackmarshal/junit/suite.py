@@ -44,6 +44,8 @@ _MAY_FAIL = "TEST_CASE tagged with !mayfail"
 _PYTEST = "pytest tests"
 #: The suite of what pytest before 8.4 writes, whose root has no name. Of a test whose fixtures break behind it, it counts that it passed, too.
 _PYTEST_BEFORE = ("", "pytest")
+#: What pytest says of such a test.
+_BEHIND = "failed on teardown"
 #: When GoogleTest says that a test began that never did, in whichever time zone.
 _NEVER = re.compile(r"(1970-01-01|1969-12-31)T\d\d:(00|15|30|45):00(\.0+)?Z?")
 AGAIN = "write it anew with the test runner; its tests count for nothing as it is"
@@ -78,6 +80,8 @@ class Suite:
         self._above: Suite | None = above
         self._second: bool = above is not None and above._above is None
         self._broken = 0
+        self._broke_behind = 0
+        self._last: tuple[str, str] | None = None
         self._inner = False
         if above is not None:
             above._inner = True
@@ -102,6 +106,9 @@ class Suite:
         """A test of it, or of a suite in it, is closed."""
         self.tests += 1
         self._broken += case.bad > 0
+        # One that failed before that is listed twice, and counted so.
+        self._broke_behind += case.broke_behind and case.named != self._last
+        self._last = case.named
         if not (self.asserts and case.excused):
             self.failing += case.bad
         self.skipping += case.skips if self.asserts else case.skips > 0
@@ -110,7 +117,7 @@ class Suite:
         """What it says it holds and does not list, and what to do about it; empty when there is nothing."""
         said = self._said
         before = (self._root, self.name) == _PYTEST_BEFORE
-        listed = self.tests + (said["errors"] if before else 0)
+        listed = self.tests + (self._broke_behind if before else 0)
         if said["tests"] > listed and not self.asserts and self._root != _PYTEST:
             help_ = _PENDING if self._root == "Mocha Tests" else _SUBTESTS if before else AGAIN
             return f"the suite `{self.name}` says it has {said['tests']} tests, and lists {self.tests}", help_
@@ -162,6 +169,7 @@ class Case:
         self.failing = 0  #: how many failures and errors it names: some runners list several
         self.skips = 0  #: how often anything says that it was skipped, whatever else came of it
         self.excused = False  #: whether it was expected to fail
+        self.broke_behind = False  #: whether its fixtures broke behind it
         for name in _WORDS:
             self.status(name, attributes.get(name, ""))
         for name in _FLAGS.keys() & attributes.keys():
@@ -194,6 +202,11 @@ class Case:
         return max(self.failing, self._outcome in ("failed", "error"))
 
     @property
+    def named(self) -> tuple[str, str]:
+        """What it is called, and where."""
+        return self._attributes.get("classname", ""), self._attributes.get("name", "")
+
+    @property
     def at_once(self) -> bool:
         """Whether it passed, and its runner says of its time no more than `0`."""
         return self._outcome == "passed" and self._attributes.get("time") == "0"
@@ -201,6 +214,7 @@ class Case:
     def say(self, outcome: str, message: str, kind: str = "") -> None:
         """One of the elements that say what came of it, with its type."""
         self.failing += outcome != "skipped"
+        self.broke_behind |= outcome == "error" and message.startswith(_BEHIND)
         if outcome == "skipped":
             self.skips += 1
             self.excused |= kind == "todo" or (self._suite.asserts and message == _MAY_FAIL)
