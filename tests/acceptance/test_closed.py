@@ -75,7 +75,7 @@ def test_a_formula(tmp_path: Path) -> None:
     )  # fmt: skip
     assert found == {
         "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/expressions.py", "backends/c/layout.py",
-        "backends/c/signs.py", "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/bounds.py",
+        "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/bounds.py",
         "testing/moving.py",
     }  # fmt: skip
 

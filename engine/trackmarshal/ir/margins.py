@@ -1,7 +1,8 @@
-"""The units of a formula's margin, and the scales by which margins of different units are compared."""
+"""Whose margins a formula's own is made of, its unit, and the scales by which margins of different units are compared."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
@@ -42,34 +43,37 @@ def measured_units(formula: ir.Formula) -> set[str]:
 
 
 def formula_atoms(formula: ir.Formula) -> list[ir.Formula]:
-    """The comparisons, counts, flags and geometric predicates that decide a formula (guards choose, they don't decide)."""
-    atoms: list[ir.Formula] = []
-    stack: list[ir.Formula] = [formula]
+    """The comparisons, counts, flags and geometric predicates that decide a formula."""
+    leaves = (node for node in deciding([formula]) if not _parts(node))
+    return [node for node in leaves if not isinstance(node, ir.Truth | ir.InState)]  # these have no measure
+
+
+def deciding(roots: Iterable[ir.Formula]) -> dict[ir.Formula, None]:
+    """The formulas whose margin counts for that of one of the roots, each once, and the roots. Of others it is only asked whether they hold."""
+    found: dict[ir.Formula, None] = {}
+    stack = list(roots)
     while stack:
         node = stack.pop()
-        match node:
-            case (
-                ir.Compare()
-                | ir.Flag()
-                | ir.SweptInside()
-                | ir.SweptClear()
-                | ir.InArea()
-                | ir.Counted()
-                | ir.Tallied()
-            ):
-                atoms.append(node)  # of a count, whatever is counted is measured in
-            case ir.Truth():
-                pass
-            case ir.Quantify() | ir.Guarded():
-                stack.append(node.body)
-            case ir.Connective() | ir.Until():
-                stack += [node.left, node.right]
-            case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.At():
-                stack.append(node.operand)
-            case ir.OverRun():
-                stack += node.operands
-            case ir.InState():
-                pass  # a Boolean
-            case _:
-                assert_never(node)
-    return atoms
+        if node not in found:
+            found[node] = None
+            stack += _parts(node)
+    return found
+
+
+def _parts(node: ir.Formula) -> tuple[ir.Formula, ...]:
+    """The parts of a formula whose margins its own is made of: guards choose, and of what is counted it is asked whether it holds."""
+    match node:
+        case ir.Truth() | ir.Flag() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+            return ()
+        case ir.Quantify() | ir.Guarded():
+            return (node.body,)
+        case ir.Connective() | ir.Until():
+            return (node.left, node.right)
+        case ir.Not() | ir.Scaled() | ir.Temporal() | ir.Shift() | ir.At():
+            return (node.operand,)
+        case ir.OverRun():
+            return node.operands
+        case ir.Counted() | ir.Tallied() | ir.InState():
+            return ()
+        case _:
+            assert_never(node)

@@ -8,11 +8,11 @@ from typing import assert_never
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import RESERVED, comment, identifier, literal
-from trackmarshal.backends.c.signs import margins_read
 from trackmarshal.backends.c.sweeps import along_timeline
 from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import deciding
 from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
 from trackmarshal.ir.spec import Called, RuleInfo
 from trackmarshal.ir.tables import LINEAR_CLAMP
@@ -103,7 +103,7 @@ class Writer:
                 called.setdefault(same.of(name.node), name)
         self.usage = Usage(plan.facts, roots, called)
         #: Formulas whose margin is read.
-        self.margins = margins_read(self.formulas)
+        self.margins = deciding(self.formulas)
         self._binders = {
             node.axis: (node.name,) for root in roots for node in (root,) if isinstance(node, ir.At)
         }

@@ -18,6 +18,7 @@ from trackmarshal.backends.numpy.blocks import Guarding, blocks, together
 from trackmarshal.backends.numpy.logic import ABOVE, AT_LEAST, BOTH, NEITHER
 from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.margins import deciding
 from trackmarshal.ir.operators import Extreme
 
 #: What code may call by name.
@@ -94,7 +95,7 @@ class Code:
         self._within, self._shared = blocks(nodes, [*formulas, *ranges], self._same)
         self._block: list[str] | None = None
         nodes = together(nodes, self._within, self._shared)
-        self._weighed = {self._same[node] for node in _weighed(formulas)}
+        self._weighed = {self._same[node] for node in deciding(formulas)}
         axes = [child for node in nodes for child in node.children() if isinstance(child, ir.Axis)]
         self.rank = max([rank, *(axis.level + 2 for axis in axes)])
         #: Predicates of which only the least margin is asked, by a `for all`, with its axis; and variables that hold the rest.
@@ -612,22 +613,6 @@ class Code:
 def _denied(says: int) -> int:
     """What a margin's sign says when turned round: what fails at 0 holds there when denied."""
     return (says & AT_LEAST and ABOVE) | (says & ABOVE and AT_LEAST)
-
-
-def _weighed(roots: Iterable[ir.Formula]) -> set[ir.Formula]:
-    """Formulas whose margins count. Of guards, and of conditions of numbers, it only counts whether they hold."""
-    found: set[ir.Formula] = set()
-    stack = list(roots)
-    while stack:
-        node = stack.pop()
-        if node in found:
-            continue
-        found.add(node)
-        if isinstance(node, (ir.Quantify, ir.Guarded)):
-            stack.append(node.body)
-        else:
-            stack.extend(child for child in ir.operands(node) if isinstance(child, ir.Formula))
-    return found
 
 
 def ordered(roots: Iterable[ir.Num | ir.Formula]) -> list[ir.Num | ir.Formula]:
