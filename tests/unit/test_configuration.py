@@ -72,6 +72,20 @@ def test_the_command_line_counts_more_than_the_recording() -> None:
     assert "friction" in compact
 
 
+@pytest.mark.parametrize(
+    "vehicle", sorted((REPOSITORY / "specs" / "vehicles").glob("*.spec")), ids=lambda path: path.stem
+)
+def test_gaps_count_on_no_more_than_the_vehicle_can_do(vehicle: Path) -> None:
+    """Another vehicle's tyres, brakes and drive train, and not the braking and the response of the one that the rules were written with."""
+    spec = load(REPOSITORY / "specs" / "supervisor", [vehicle])
+    of = {name.rpartition(".")[2]: info.value for name, info in spec.params.items()}
+    grip = of["mu"] * of["g"]
+    assert of["b_rear"] <= min(of["b_max"], grip)
+    assert of["b_lateral"] <= 0.65 * grip
+    assert of["a_loc"] <= grip
+    assert max(spec.tables["vehicles.devbot.ax_max"].values) <= of["a_response"]
+
+
 IGNORED = {
     "rule `slower`": 'rule slower "slower"\n  for all p in plan\n  require p.v <= 1 m/s\n',
     "assumption": 'assume A-SLOW "slow"\n  owner "somebody"\n',
