@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 CONSTRAINTS := constraints.txt
 BIN := $(VENV)/bin
+# What came of the tests, where this project's gate looks for it.
+FOUND := out/tests
 STAMP := $(VENV)/.ready
 # As an installation has it: where Python may not keep what it compiles, every start would compile all modules again.
 COMPILE := $(BIN)/python -m compileall -q -j 0 engine trace
@@ -29,13 +31,13 @@ gate: $(STAMP)
 # find them; those that fail run again, and say what was compared.
 .PHONY: tests
 tests: $(STAMP)
-	mkdir -p out/tests
-	rm -f out/tests/pytest.json out/tests/pytest.xml
-	MAKEFLAGS= $(BIN)/python -m pytest $(PARALLEL) --assert=plain --junitxml=out/tests/pytest.xml --trackmarshal-results=out/tests/pytest.json \
+	mkdir -p $(FOUND)
+	rm -f $(FOUND)/pytest.json $(FOUND)/pytest.xml
+	MAKEFLAGS= $(BIN)/python -m pytest $(PARALLEL) --assert=plain --junitxml=$(FOUND)/pytest.xml --trackmarshal-results=$(FOUND)/pytest.json \
 		|| { MAKEFLAGS= $(BIN)/python -m pytest --last-failed --last-failed-no-failures none; false; }
 
 oldest:  ## the tests with the least versions that pyproject.toml names, in an environment of its own
-	$(MAKE) tests VENV=build/oldest CONSTRAINTS=tests/oldest.txt
+	$(MAKE) tests VENV=build/oldest CONSTRAINTS=tests/oldest.txt FOUND=build/oldest/found
 
 acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI
 	sh tests/embedded/tools.sh
