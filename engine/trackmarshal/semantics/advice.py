@@ -1,26 +1,36 @@
 """What compiles and is hardly meant: warnings, each of which a rule may allow with a reason.
 
-An angle is a plain number, and stays one: that something is an angle is known from declared units alone, and for these warnings alone.
+Angles and percentages are plain numbers, and stay such: that something is one is known from declared units alone, and for these warnings alone.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import partial
 from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.semantics import errors
-from trackmarshal.semantics.errors import BareAngle, EndsEarly, ExactlyEqual, GoesOn, WrongDimension
+from trackmarshal.semantics.errors import (
+    BareAngle,
+    BarePercentage,
+    EndsEarly,
+    ExactlyEqual,
+    GoesOn,
+    TurnsOver,
+    WrongDimension,
+)
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, show
+from trackmarshal.units import NUMBER, in_full, show
 
 #: What stands in parentheses on the left and on the right of a minus.
 _LEFT, _RIGHT = re.compile(r"^if\b"), re.compile(r"\s[+−-]\s|^if\b")
-#: Units of an angle.
+#: Units of an angle, and of a percentage.
 ANGLES = ("rad", "deg")
+PERCENT = ("%",)
 #: What gives an angle, what gives a whole number, and what gives what it takes.
 _GIVE_ANGLES = {"atan2", "atan", "asin", "acos"}
 _GIVE_WHOLE = {"floor", "ceil", "round", "sign"}
@@ -95,7 +105,7 @@ class Advice:
     def __init__(self) -> None:
         self.units: dict[str, str] = {}
         #: What was found of numbers, which names share: written out, they can be far more than they are.
-        self._angles: dict[typed.Number, bool] = {}
+        self._declared: dict[tuple[tuple[str, ...], typed.Number], bool] = {}
         self._measured: dict[typed.Number, bool] = {}
         self._bare: dict[typed.Number, bool] = {}
 
@@ -109,11 +119,28 @@ class Advice:
         unit = "" if left.dimension == NUMBER else f" {show(left.dimension)}"
         return ExactlyEqual(span, op, f"abs({difference}) {within} ...{unit}")
 
-    def joined(self, left: typed.Number, right: typed.Number) -> BareAngle | None:
+    def turns_over(self, left: typed.Number, right: typed.Number) -> TurnsOver | None:
+        """What is to be said of a comparison of how far two headings are apart, where nothing takes whole turns out of it."""
+        if left.dimension != NUMBER:
+            return None
+        apart = next((one for number in (left, right) if (one := _apart(number)) is not None), None)
+        return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
+
+    def joined(self, left: typed.Number, right: typed.Number) -> BareAngle | BarePercentage | None:
         """What is to be said of two numbers that are compared, added or chosen between."""
+        if left.dimension != NUMBER:
+            return None
         for number, other in ((left, right), (right, left)):
-            if left.dimension == NUMBER and self._uncounted(number) and self.angle(other):
+            if self._uncounted(number) and self.declared_in(ANGLES, other):
                 return self.bare(number, other.span)
+            value = typed.literal(number)
+            if (
+                value is not None
+                and abs(value) > 1.0
+                and self.is_bare(number)
+                and self.declared_in(PERCENT, other)
+            ):
+                return BarePercentage(number.span, other.span, _text(number), in_full(value, "%"))
         return None
 
     def in_unit(
@@ -152,11 +179,11 @@ class Advice:
             self._bare[number] = self._is_bare(number)
         return self._bare[number]
 
-    def angle(self, node: typed.Number) -> bool:
-        """Whether a plain number is an angle by the units that were declared."""
-        if node not in self._angles:
-            self._angles[node] = self._is_angle(node)
-        return self._angles[node]
+    def declared_in(self, units: tuple[str, ...], node: typed.Number) -> bool:
+        """Whether a plain number is one in some units, as far as it is declared."""
+        if (units, node) not in self._declared:
+            self._declared[units, node] = self._is_in(units, node)
+        return self._declared[units, node]
 
     def measured(self, node: typed.Number) -> bool:
         """Whether a number comes from measurements: from fields with a unit, or by arithmetic that leaves whole numbers."""
@@ -164,44 +191,41 @@ class Advice:
             self._measured[node] = self._is_measured(node)
         return self._measured[node]
 
-    def _is_angle(self, node: typed.Number) -> bool:
+    def _is_in(self, units: tuple[str, ...], node: typed.Number) -> bool:
+        of, angles = partial(self.declared_in, units), units == ANGLES
         match node:
             case typed.Field():
-                return self._unit(node) in ANGLES
+                return self._unit(node) in units
             case typed.Parameter() | typed.TableValue():
-                return self.units.get(node.symbol.qualified) in ANGLES
+                return self.units.get(node.symbol.qualified) in units
             case typed.Negative():
-                return self.angle(node.operand)
+                return of(node.operand)
             case typed.Choice():
-                return self.angle(node.then) or self.angle(node.otherwise)
+                return of(node.then) or of(node.otherwise)
             case typed.NumberCase():
-                return any(self.angle(branch.value) for branch in node.branches)
+                return any(of(branch.value) for branch in node.branches)
             case typed.Folded():
-                return node.body is not None and self.angle(node.body)
+                return node.body is not None and of(node.body)
             case typed.Function():
-                return node.name in _GIVE_ANGLES or (
-                    node.name in _GIVE_ON and any(map(self.angle, node.arguments))
-                )
+                gives = angles and node.name in _GIVE_ANGLES
+                return gives or (node.name in _GIVE_ON and any(map(of, node.arguments)))
             case typed.Arithmetic():
-                left, right = self.angle(node.left), self.angle(node.right)
-                return (
-                    left or right
-                    if node.op in "+-"
-                    else left != right
-                    if node.op == "*"
-                    else left and not right
-                )
+                left, right = of(node.left), of(node.right)
+                if node.op in "+-":
+                    return left or right
+                # A multiple of an angle is one; of a percentage, it may well be made what it looks like: `100 * share`.
+                return angles and (left != right if node.op == "*" else left and not right)
             case typed.Power():  # a product: of an odd number of angles
                 whole = typed.whole_exponent(node.exponent)
-                return whole is not None and whole > 0 and whole % 2 == 1 and self.angle(node.base)
+                return angles and whole is not None and whole > 0 and whole % 2 == 1 and of(node.base)
             case typed.OnLine():
-                return node.function == "direction"
+                return angles and node.function == "direction"
             case typed.CalledNumber():
-                return self.angle(node.body)
+                return of(node.body)
             case typed.NamedNumber():
-                return node.value is not None and self.angle(node.value)
+                return node.value is not None and of(node.value)
             case typed.Kept():
-                return any(self.angle(keep.value) for keep in _kept(node))
+                return any(of(keep.value) for keep in _kept(node))
             case typed.StationGap() | typed.Literally() | typed.Pi():
                 return False
             case _:
@@ -266,6 +290,31 @@ class Advice:
 def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
     """Where a machine takes note of what is read of it; nowhere for how long it is in its state."""
     return (keep for one in node.machine.transitions for keep in one.kept if keep.name == node.name)
+
+
+def _apart(node: typed.Number) -> typed.Arithmetic | None:
+    """The difference of two headings that a number is, or its size, or the most or least of several."""
+    node = _behind(node)
+    if isinstance(node, typed.Arithmetic):
+        return node if node.op == "-" and _leads(node.left) and _leads(node.right) else None
+    if isinstance(node, typed.Negative):
+        return _apart(node.operand)
+    if isinstance(node, typed.Folded):
+        return None if node.body is None else _apart(node.body)
+    if isinstance(node, typed.Function) and node.name in _GIVE_ON:
+        return next((one for part in node.arguments if (one := _apart(part)) is not None), None)
+    return None
+
+
+def _leads(node: typed.Number) -> bool:
+    """Whether a number is where something heads for: a field of that name, or the direction of a line."""
+    match _behind(node):
+        case typed.Field(name="heading"):
+            return True
+        case typed.OnLine(function="direction"):
+            return True
+        case _:
+            return False
 
 
 def _behind(number: typed.Number) -> typed.Number:

@@ -726,6 +726,44 @@ class BareAngle(Diagnostic):
     others: tuple[Span, ...] = ()
 
 
+class BarePercentage(Diagnostic):
+    code = "W309"
+    title = "a bare number beside a percentage"
+    level = "warning"
+    text = "a number without a unit meets a percentage"
+    label = "this is {percent}"
+    other_label = "this is a percentage"
+    remedy = "write `{number} %`"
+    explanation = (
+        "A percentage is a plain number, a hundredth of what stands before the `%`. In a range and in a table a number without a unit is in the unit "
+        "that is declared there; in a formula it is itself, so that `charge <= 90` holds for every charge. Numbers up to 1 are taken for what they are, "
+        "shares of a whole, and so are multiples: `100 * charge <= 90` compares what it seems to."
+    )
+
+    span: Span
+    other: Span
+    number: str
+    percent: str
+
+
+class TurnsOver(Diagnostic):
+    code = "W310"
+    title = "headings compared across a whole turn"
+    level = "warning"
+    text = "two headings that are alike may differ by a whole turn here"
+    label = "from 179 deg to -179 deg, this is 358 deg"
+    remedy = "write `angle_difference({first}, {second})`, of the module `prelude.frames`"
+    explanation = (
+        "Headings start anew after half a turn: what heads for 179 deg and what heads for -179 deg go almost the same way, and their difference is 358 deg. "
+        "A rule that asks how far two headings are apart, or chooses by it whom it is about, is then wrong about cars that drive side by side. "
+        "`angle_difference` takes whole turns out; sines and cosines of a difference do without it."
+    )
+
+    span: Span
+    first: str
+    second: str
+
+
 class NeverAsked(Diagnostic):
     code = "W304"
     title = "a state that nothing asks for"

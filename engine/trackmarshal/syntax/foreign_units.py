@@ -15,7 +15,7 @@ _FOREIGN = {
     "hour": "write `h`", "hours": "write `h`", "minute": "write `min`", "minutes": "write `min`", "meter": "write `m`",
     "meters": "write `m`", "metre": "write `m`", "metres": "write `m`", "ft": "1 ft = 0.3048 m", "yd": "1 yd = 0.9144 m",
     "mi": "1 mi = 1.609344 km", "mile": "1 mile = 1.609344 km", "miles": "1 mile = 1.609344 km", "inch": "1 inch = 2.54 cm",
-    "kn": "the kilonewton is `kN`, one knot 0.514444 m/s", "g": "1000 g = 1 kg; standard gravity is 9.80665 m/s^2",
+    "kn": "the kilonewton is `kN`, one knot 0.514444 m/s", "kt": "1 kt = 0.514444 m/s", "kts": "1 kt = 0.514444 m/s", "knots": "1 knot = 0.514444 m/s", "nmi": "1 nmi = 1.852 km", "g": "1000 g = 1 kg; standard gravity is 9.80665 m/s^2",
     "lb": "1 lb = 0.45359237 kg", "lbs": "1 lb = 0.45359237 kg", "degree": "write `deg`", "degrees": "write `deg`",
     "radian": "write `rad`", "radians": "write `rad`", "percent": "write `%`", "hz": "write `Hz`", "nm": "write `N*m`, or `J`",
     "Nm": "write `N*m`, or `J`", "ton": "write `t`", "tons": "write `t`", "hp": "1 hp = 0.7457 kW", "S": "write `s`",

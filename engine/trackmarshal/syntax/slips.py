@@ -39,7 +39,7 @@ _ACROSS = {
 FOREIGN_WORDS = {
     "forall": "write `for all`", "foreach": "write `for all`", "every": "write `for all`", "each": "write `for all`",
     "all": "write `for all`", "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
-    "when": "write `whenever`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
+    "when": "write `whenever`", "unless": "write `whenever not (...)`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
     "mod": "there is no remainder", "equals": "write `==`",
 }  # fmt: skip
 #: Nobody wrote a declaration of so many characters by hand, and patterns look at each of them more than once.
