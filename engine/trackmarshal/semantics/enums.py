@@ -77,7 +77,7 @@ def _otherwise(left: typed.Value, right: ast.Expr) -> str:
     if isinstance(right, ast.Boolean) and isinstance(left, typed.FormulaNode):
         return f"write `{written}`" if right.value else f"write `not ({written})`"
     if isinstance(left, typed.RecordNode):
-        return f"`is` asks for a member: compare fields, such as `{written}.{next(iter(left.shape), 'x')}`"
+        return f"`is` asks for a member: compare a field that tells which it is, such as a declared `number: 1`, `{written}.number`"
     return ""
 
 

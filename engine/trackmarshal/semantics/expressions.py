@@ -845,13 +845,14 @@ def _of_formulas(expr: ast.Binary) -> str:
 
 
 def _of_records(expr: ast.Binary, left: typed.Record, right: typed.Record) -> str:
-    """What to write for two elements, or an element and a state, between which `!=` stands."""
+    """What to write for two elements, or an element and a state, between which `!=` stands.
+
+    Not their places: two that are in one place are what rules about two of them look for.
+    """
     ours, theirs = (_span(side).text for side in (expr.left, expr.right))
-    for field, kind in left.shape.items():
-        if right.shape.get(field) == kind and isinstance(kind, tuple):
-            limit = f"{'<=' if expr.op == '==' else '>'} 0.1 {show(kind)}".removesuffix(" 1")
-            return f"compare fields of theirs, such as `abs({ours}.{field} - {theirs}.{field}) {limit}`"
-    return "compare fields of theirs"
+    if left.signal is not None and left.signal is right.signal:
+        return f"declare a number that each of them has, `number: 1`, and write `{ours}.number {expr.op} {theirs}.number`"
+    return "compare a field that tells which it is: declare one, such as `own: bool`"
 
 
 def _declared(number: typed.Number, own: str, other: str) -> tuple[str, Span, str, str] | None:

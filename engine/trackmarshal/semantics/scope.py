@@ -163,10 +163,13 @@ class Scope:
         return UnknownName(span, what, name, hint, modules)
 
 
+_LASTS = "what has held for so long is `historically[0 s, 3 s] ...`; how long a `state` is what it is, `time_in(state)`"
 #: Functions of other languages, and what to write.
 _FOREIGN = {
     "between": "write `x in [a, b]`", "len": "write `count(o in objects)`", "size": "write `count(o in objects)`",
     "changes": "say what begins to hold, as in `rising(race.flag is a)`", "changed": "say what begins to hold, as in `rising(race.flag is a)`",
+    "duration": _LASTS, "held": _LASTS, "lasts": _LASTS,
+    "before": "what was before now is `once[0 s, 5 s] ...`; what has held since something was, `a since b`",
 }  # fmt: skip
 _QUOTIENT = re.compile(
     rf"((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)[ \t]*({UNIT_PATTERN}(?:/{UNIT_PATTERN})*)?[ \t]*/[ \t]*\Z"

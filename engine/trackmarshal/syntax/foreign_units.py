@@ -7,6 +7,7 @@ from trackmarshal.units import UNITS
 
 _PLAIN = "the unit of a plain number is 1"
 _NO_TEXT = "words are the members of an `enum`"
+_NO_TRUTH = "what holds or does not is a `predicate`; a parameter is a number, such as `1 = 1`, of which `== 1` is asked"
 _NO_TEMPERATURE = "there is no unit of temperature: the unit of a plain number is 1"
 #: Units that authors reach for, and what to write.
 _FOREIGN = {
@@ -22,7 +23,7 @@ _FOREIGN = {
     "M": "write `m`", "Wh": "1 Wh = 3600 J", "kWh": "1 kWh = 3600000 J", "MWh": "1 MWh = 3600000000 J", "rpm": "60 rpm = 1 Hz",
     "Pa": "1 Pa = 1 N/m^2", "kPa": "1 kPa = 1 kN/m^2", "bar": "1 bar = 100 kN/m^2", "psi": "1 psi = 6.894757 kN/m^2", "l": "1 l = 0.001 m^3",
     "L": "1 L = 0.001 m^3", "K": _NO_TEMPERATURE, "C": _NO_TEMPERATURE, "degC": _NO_TEMPERATURE, "float": _PLAIN, "double": _PLAIN,
-    "int": _PLAIN, "integer": _PLAIN, "number": _PLAIN, "boolean": "write `bool`", "string": _NO_TEXT, "str": _NO_TEXT, "text": _NO_TEXT,
+    "int": _PLAIN, "integer": _PLAIN, "number": _PLAIN, "boolean": "write `bool`", "bool": _NO_TRUTH, "string": _NO_TEXT, "str": _NO_TEXT, "text": _NO_TEXT,
 }  # fmt: skip
 #: A prefix before a unit that is known without it, or with another one: what is closest to `MJ` is a million times less.
 _PREFIXES = {"n": "0.000000001", "m": "0.001", "d": "0.1", "k": "1000", "M": "1000000", "G": "1000000000"}

@@ -371,7 +371,7 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
     if re.search(r"[0-9]\.\s*\Z", before) and expected == {"NAME"}:
         return "a number with a point has digits after it"
     if "_ELSE" in expected:
-        return "an `if` chooses between two values: `if CONDITION then A else B`"
+        return "an `if` chooses between two numbers, `if C then a else b`; between two conditions: `(C implies A) and (C or B)`"
     if not found and "_EXPECT" in expected:
         return "a test says what it expects: `expect satisfied`"
     if found and found in ")]}" and not open_brackets(before):
