@@ -126,7 +126,9 @@ def test_whatever_a_planner_proposes(way: str, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(
         any_planner.tm, "supervisor", lambda *a, **k: Both(WAYS[way], made(*a, **k), made(*a, **k), seen)
     )
-    cycles = sum((any_planner.run(shipped(), seed, RULES, 60).seen for seed in range(RUNS)), Counter[str]())
+    cycles = sum(
+        (any_planner.run(shipped(), seed, RULES, cycles=60).seen for seed in range(RUNS)), Counter[str]()
+    )
     assert cycles["safe"] > 10 * RUNS
     assert cycles["unsafe"] > RUNS
     assert len(seen) > 2

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -19,12 +19,32 @@ from support.dense.sweep import corners
 from trackmarshal.ir.spec import Spec
 
 Floats = NDArray[np.float64]
-LENGTH, WIDTH, OTHER_WIDTH = 4.7, 2.8, 2.0
 #: s; what lies between is looked at in steps of `TICK`.
 CYCLE, TICK = 0.1, 0.02
-#: What tyres do at most, and what others speed up by, m/s^2.
-GRIP, SPEEDS_UP = 13.0, 6.0
 NOBODY = {name: np.zeros(0) for name in ("x", "y", "heading", "length", "width")}
+
+
+class Cars(NamedTuple):
+    """What the car under test and others are: m; what tyres do at most, what the one and the others speed up by, m/s^2; m/s.
+
+    What is wanted of them is in proportion to what the shipped vehicle can do.
+    """
+
+    length: float = 4.7
+    width: float = 2.8
+    other_width: float = 2.0
+    grip: float = 13.0
+    drives: float = 6.0
+    speeds_up: float = 6.0
+    fastest: float = 60.0
+    samples: int = 50
+
+    @property
+    def share(self) -> float:
+        return self.grip / 13.0
+
+
+SHIPPED = Cars()
 
 
 class Road:
@@ -113,9 +133,9 @@ class Way:
         station, offset = (float(np.interp(s, self._s, each)) for each in (self._station, self._offset))
         return State(station, offset, float(slope), max(self.v + self.gain * min(t, self.lasts), 0.0))
 
-    def columns(self) -> dict[str, Floats]:
-        """50 samples, evenly along the way."""
-        s = np.linspace(0.0, self._way, 50)
+    def columns(self, samples: int) -> dict[str, Floats]:
+        """So many samples, evenly along the way."""
+        s = np.linspace(0.0, self._way, samples)
         v = np.sqrt(np.maximum(self.v**2 + 2 * self.gain * s, 0.0))
         if self.to_rest:
             v[-1] = 0.0
@@ -123,7 +143,7 @@ class Way:
             np.interp(s, self._s, each) for each in (self._x, self._y, self._heading, self._kappa)
         )
         return {"t": (v - self.v) / self.gain, "s": s, "x": x, "y": y, "heading": heading, "kappa": kappa, "v": v,
-                "a": np.full(50, self.gain), "grip": np.ones(50)}  # fmt: skip
+                "a": np.full(samples, self.gain), "grip": np.ones(samples)}  # fmt: skip
 
 
 @dataclass
@@ -134,19 +154,21 @@ class Other:
     offset: float
     v: float
     brakes: float
+    cars: Cars
     gain: float = 0.0
     warned: bool = False
 
     def decide(self, rng: np.random.Generator, ego: State, braking: bool) -> None:
+        cars = self.cars
         if rng.random() < 0.15:
-            self.gain = float(rng.choice([0.0, 0.0, rng.uniform(0.0, SPEEDS_UP), -self.brakes]))
-        gap = ego.station - self.station - LENGTH
-        beside = abs(ego.offset - self.offset) - (WIDTH + OTHER_WIDTH) / 2
+            self.gain = float(rng.choice([0.0, 0.0, rng.uniform(0.0, cars.speeds_up), -self.brakes]))
+        gap = ego.station - self.station - cars.length
+        beside = abs(ego.offset - self.offset) - (cars.width + cars.other_width) / 2
         comes = max(beside, 0.0) < 3.0 and braking and ego.slope * np.sign(self.offset - ego.offset) >= -0.01
-        needed = 0.3 * (self.v + 1.0) + ((self.v + 1.8) ** 2 - ego.v**2) / (2 * GRIP)
-        near = gap > -LENGTH / 2 and (beside < 0.3 or comes) and gap < max(needed, 0.0) + 1.0
+        needed = 0.3 * (self.v + 1.0) + ((self.v + 1.8) ** 2 - ego.v**2) / (2 * cars.grip)
+        near = gap > -cars.length / 2 and (beside < 0.3 or comes) and gap < max(needed, 0.0) + 1.0
         if near:
-            self.gain = -GRIP if self.warned else min(self.gain, 0.0)
+            self.gain = -cars.grip if self.warned else min(self.gain, 0.0)
         self.warned = near
 
     def drive(self, road: Road, t: Floats) -> tuple[Any, Any, Any]:
@@ -169,12 +191,13 @@ class Outcome:
 class Proposals:
     """What the planner wants, from cycle to cycle."""
 
-    def __init__(self, road: Road, rng: np.random.Generator, offset: float) -> None:
-        self._road, self._rng, self._target = road, rng, offset
+    def __init__(self, road: Road, rng: np.random.Generator, offset: float, cars: Cars) -> None:
+        self._road, self._rng, self._target, self._cars = road, rng, offset, cars
 
     def of(self, begin: State, others: list[Other]) -> tuple[Way, Way]:
         """A driving and an emergency trajectory."""
-        rng, half = self._rng, self._road.half
+        rng, half, grip = self._rng, self._road.half, self._cars.grip
+        share, drives = self._cars.share, self._cars.drives / 6.0
         if rng.random() < 0.12:
             beside = (
                 rng.uniform(-1.0, 1.0) if rng.random() < 0.8 else rng.choice([-1.0, 1.0])
@@ -184,9 +207,13 @@ class Proposals:
             self._target = others[rng.integers(len(others))].offset + rng.uniform(-1.0, 1.0)
         v = max(begin.v, 0.3)
         over = max(rng.choice([9.0, 14.0, 20.0]), v * rng.uniform(1.0, 4.0))
-        wanted = [rng.uniform(-8.0, 5.0), -2.0, 2.0, 1.0] if v > 4.0 else [1.0, 2.0, 4.0]
+        wanted = (
+            [rng.uniform(-8.0 * share, 5.0 * drives), -2.0 * share, 2.0 * drives, drives]
+            if v > 4.0
+            else [drives, 2.0 * drives, 4.0 * drives]
+        )
         driving = Way(self._road, begin, self._target, over, float(rng.choice(wanted)), rng.uniform(1.0, 4.0))
-        chance, brakes = rng.random(), rng.uniform(3.0, 12.5)
+        chance, brakes = rng.random(), rng.uniform(3.0, 12.5) * share
         offset = (
             self._target
             if chance < 0.6
@@ -198,30 +225,37 @@ class Proposals:
             over = max(12.0, v * rng.uniform(1.0, 4.0))
         emergency = Way(self._road, begin, offset, over, -brakes, None)
         across = v * v * emergency.tightest
-        if math.hypot(brakes, across) > GRIP - 0.4:
-            brakes = max(math.sqrt(max((GRIP - 0.4) ** 2 - across**2, 0.0)), 2.0)
+        if math.hypot(brakes, across) > grip - 0.4 * share:
+            brakes = max(math.sqrt(max((grip - 0.4 * share) ** 2 - across**2, 0.0)), 2.0 * share)
             emergency = Way(self._road, begin, offset, over, -brakes, None)
         return driving, emergency
 
 
-def run(spec: Spec, seed: int, rules: list[str] | None = None, cycles: int = 120) -> Outcome:
+def run(
+    spec: Spec, seed: int, rules: list[str] | None = None, cars: Cars = SHIPPED, cycles: int = 120
+) -> Outcome:
     """Until the car stands, or something is wrong; what the Supervisor decides is driven."""
     rng, now, outcome = np.random.default_rng(seed), [0.0], Outcome()
     road = Road(rng)
     supervisor = tm.supervisor(spec, rules, backend="c", clock=lambda: now[0])
-    fast = math.sqrt(9.0 / float(np.abs(road.bend).max())) if rng.random() < 0.8 else 60.0
+    fast = (
+        math.sqrt(9.0 * cars.share / float(np.abs(road.bend).max())) if rng.random() < 0.8 else cars.fastest
+    )
     state = State(
-        0.0, rng.uniform(-1.0, 1.0) * (road.half - 2.2), 0.0, rng.uniform(8.0, max(min(60.0, fast), 9.0))
+        0.0,
+        rng.uniform(-1.0, 1.0) * (road.half - 2.2),
+        0.0,
+        rng.uniform(8.0, max(min(cars.fastest, fast), 9.0)),
     )
     others = [
         Other(rng.choice([-1.0, 1.0, 1.0, 1.0]) * rng.uniform(8.0, 15.0 + 2.0 * state.v), rng.uniform(-1.0, 1.0) * (road.half - 1.2),
-              state.v * rng.uniform(0.2, 1.1), float(rng.choice([2.0, 6.0, GRIP])))
+              state.v * rng.uniform(0.2, 1.1), float(rng.choice([2.0 * cars.share, 6.0 * cars.share, cars.grip])), cars)
         for _ in range(rng.integers(1, 4))
     ]  # fmt: skip
     track = {side: tm.line(border) for side, border in zip(("left", "right"), road.borders)} | {
         "closed": True
     }
-    planner = Proposals(road, rng, state.offset)
+    planner = Proposals(road, rng, state.offset, cars)
     driven: tuple[Way, float] | None = None
     stored: tuple[Way, float] | None = None
     for number in range(cycles):
@@ -232,16 +266,16 @@ def run(spec: Spec, seed: int, rules: list[str] | None = None, cycles: int = 120
         poses = [[float(value) for value in road.at(other.station, other.offset)] for other in others]
         x, y, heading = np.array(poses).T
         objects = {"id": [str(k) for k in range(len(others))], "x": x, "y": y, "heading": np.remainder(heading + math.pi, math.tau) - math.pi,
-                   "v": np.array([other.v for other in others]), "length": np.full(len(others), LENGTH),
-                   "width": np.full(len(others), OTHER_WIDTH), "age": np.zeros(len(others))}  # fmt: skip
+                   "v": np.array([other.v for other in others]), "length": np.full(len(others), cars.length),
+                   "width": np.full(len(others), cars.other_width), "age": np.zeros(len(others))}  # fmt: skip
         signals = {"ego": {**ego, "v": state.v, "age": 0.0}, "objects": objects, "obstacles": NOBODY, "track": track}  # fmt: skip
         now[0] = t + 0.01
         given = tm.Cycle(
             number=number,
             t=t,
             signals=signals,
-            driving=driving.columns(),
-            emergency=emergency.columns(),
+            driving=driving.columns(cars.samples),
+            emergency=emergency.columns(cars.samples),
         )
         decision = supervisor.step(given)
         outcome.seen["safe" if decision.safe else "unsafe"] += 1
@@ -251,7 +285,7 @@ def run(spec: Spec, seed: int, rules: list[str] | None = None, cycles: int = 120
             return outcome
         else:
             driven = stored
-        outcome.wrong = _happens(road, rng, state, driven, t, others, not decision.safe)
+        outcome.wrong = _happens(road, rng, state, driven, t, others, not decision.safe, cars)
         state = driven[0].state(t + CYCLE - driven[1])
         if outcome.wrong or state.v < 0.05:
             break
@@ -260,15 +294,15 @@ def run(spec: Spec, seed: int, rules: list[str] | None = None, cycles: int = 120
 
 
 def _happens(
-    road: Road, rng: np.random.Generator, ego: State, driven: tuple[Way, float], t: float, others: list[Other], falls_back: bool
+    road: Road, rng: np.random.Generator, ego: State, driven: tuple[Way, float], t: float, others: list[Other], falls_back: bool, cars: Cars
 ) -> str:  # fmt: skip
     """What goes wrong in a cycle."""
     ticks = np.arange(0.0, CYCLE + TICK / 2, TICK)
-    own = shapely.polygons(corners(*driven[0].pose(t + ticks - driven[1]), LENGTH, WIDTH))
+    own = shapely.polygons(corners(*driven[0].pose(t + ticks - driven[1]), cars.length, cars.width))
     wrong = "" if road.surface.contains(own[-1]) else "off the road"
     for other in others:
-        other.decide(rng, ego, falls_back or driven[0].gain < -2.0)
-        body = shapely.polygons(corners(*other.drive(road, ticks), LENGTH, OTHER_WIDTH))
+        other.decide(rng, ego, falls_back or driven[0].gain < -2.0 * cars.share)
+        body = shapely.polygons(corners(*other.drive(road, ticks), cars.length, cars.other_width))
         if shapely.intersects(own, body).any():
             wrong = f"in contact with {other}"
     return wrong
