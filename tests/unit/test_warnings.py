@@ -61,6 +61,25 @@ def test_what_one_rule_allows_is_not_allowed_to_another(tmp_path: Path) -> None:
     assert [(f.code, f.span.text) for f in made.found] == [("W301", "ego.v == 0 m/s")]
 
 
+STATE = """state moving : { resting, rolling } starts resting
+  becomes rolling when ego.v != 0 m/s
+    remember v = if ego.v == 1 m/s then 0 m/s else ego.v
+  becomes resting when ego.v < 0.1 m/s
+"""
+
+
+def test_what_a_state_is_made_of_is_the_rules_that_ask_for_it(tmp_path: Path) -> None:
+    asked = "moving is rolling implies moving.v >= 0 m/s"
+    made = compiled(tmp_path, STATE + rule("a", asked))
+    assert [(f.code, f.span.text) for f in made.found] == [
+        ("W301", "ego.v != 0 m/s"),
+        ("W301", "ego.v == 1 m/s"),
+    ]
+    assert compiled(tmp_path, STATE + rule("a", asked, ALLOW)).found == ()
+    assert len(compiled(tmp_path, STATE + rule("a", asked, ALLOW) + rule("b", asked)).found) == 2
+    assert [f.code for f in compiled(tmp_path, STATE).found] == ["W304"]
+
+
 def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
     prints = set()
     for clauses in ("", ALLOW, ALLOW.replace("why", "because")):

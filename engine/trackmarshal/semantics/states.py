@@ -162,7 +162,10 @@ def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context)
                 element = Broken()
         except Poison:
             element = Broken()
+    before = len(x.found)
     transitions = _written_out(item, symbol, element, x, ctx.bind({}, 1))
+    # Where a rule asks for the state, they are found again, and the rule may allow them.
+    x.found[before:] = [found for found in x.found[before:] if not found.code.startswith("W")]
     if isinstance(element, Broken):
         raise Poison
     lowering = Lowering(ir.Interner())
@@ -327,8 +330,10 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
         x.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
     before = len(x.found)
     transitions = _written_out(item, symbol, element, x, ctx)
-    # Its declaration was warned of, once.
-    x.found[before:] = [found for found in x.found[before:] if found.level != "warning"]
+    # What is never used was told of its declaration, once; the others the rule may allow.
+    x.found[before:] = [
+        found for found in x.found[before:] if found.code.startswith("W") or found.level == "error"
+    ]
     return typed.Machine(symbol, element, transitions, _bridged(item, x, ctx), span)
 
 
