@@ -293,10 +293,12 @@ def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
 
 
 def _apart(node: typed.Number) -> typed.Arithmetic | None:
-    """The difference of two headings that a number is, or its size, or the most or least of several."""
+    """The difference of two headings that a number is, or of one and a constant; its size, or the most or least of several."""
     node = _behind(node)
     if isinstance(node, typed.Arithmetic):
-        return node if node.op == "-" and _leads(node.left) and _leads(node.right) else None
+        sides = (node.left, node.right)
+        settled = all(_leads(one) or not _reads(one) for one in sides)
+        return node if node.op == "-" and settled and any(map(_leads, sides)) else None
     if isinstance(node, typed.Negative):
         return _apart(node.operand)
     if isinstance(node, typed.Folded):

@@ -40,7 +40,8 @@ FOREIGN_WORDS = {
     "forall": "write `for all`", "foreach": "write `for all`", "every": "write `for all`", "each": "write `for all`",
     "all": "write `for all`", "any": "write `exists`", "some": "write `exists`", "elif": "write `else if`", "elseif": "write `else if`",
     "when": "write `whenever`", "unless": "write `whenever not (...)`", "while": "write `whenever`", "shall": "write `require`", "must": "write `require`", "assert": "write `require`",
-    "mod": "there is no remainder", "equals": "write `==`",
+    "mod": "there is no remainder", "equals": "write `==`", "no": "write `not (exists ...)`", "after": "write `whenever rising(...)`, and `within` for a deadline",
+    "AND": "write `and`", "OR": "write `or`", "NOT": "write `not`", "XOR": "write `xor`", "IMPLIES": "write `implies`",
 }  # fmt: skip
 #: Nobody wrote a declaration of so many characters by hand, and patterns look at each of them more than once.
 _LONG = 20000
@@ -65,6 +66,9 @@ _PAIRS = tuple(
         (".*", r"\bat[ \t]+most", "write `<=`"),
         (".*", r"\bat[ \t]+least", "write `>=`"),
         (r"\w+", r"\binside[ \t]+zone", "a point stands `in zone FOUND`, a footprint `inside FOUND`"),
+        (r"\w+", r"\boutside[ \t]+zone", "write `not (... in zone FOUND)`"),
+        (".*", r"\b(?:require|and|or|implies)[ \t]+never[ \t]+\w+", "what never holds is `not (...)`: a rule is asked in every cycle"),
+        ("of", r"\bwithin[ \t]+[0-9.]+[ \t]*\w+", "a deadline is two clauses: `whenever rising(...)`, and `within` below it"),
         ("with", r"\bexpect[ \t]+\w+", "write a comma: `expect satisfied, margin 1 m`"),
         ("=", r"\bmargin", "write the number at once: `margin 1 m`"),
         ("with", r"\Atest\b[^\n]*\n(?:[^\0]*\n)?", "what a test gives, parameters too, is a clause each: `given NAME = ...`"),
