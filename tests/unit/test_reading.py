@@ -330,6 +330,18 @@ def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path
     )
 
 
+def test_what_is_denied_ends_where_the_denial_does(tmp_path: Path) -> None:
+    """ "It is not so that condition A holds and the speed .." was heard as the denial of both, which demands less."""
+    rule, spec = rule_of(
+        tmp_path,
+        'rule r "r"\n  require not once[0 s, 3 s] blue_flag and ego.v <= top and not (not ego.wet)\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand == (
+        "Condition A does not hold, the speed of ego is at most top (180 km/h), and condition B does not hold.",
+        "Here, condition A is that at some time in the last 3 s, “blue flag” holds; condition B is that “wet” does not hold for ego.",
+    )
+
+
 def test_a_deadline_is_told_where_it_is_one_for_each_that_a_quantifier_ranges_over(tmp_path: Path) -> None:
     rule, spec = rule_of(
         tmp_path,

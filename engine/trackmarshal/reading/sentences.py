@@ -267,7 +267,8 @@ class Sentences(Phrases):
             case typed.Not():
                 if self._deniable(node.operand):
                     return self._formula(node.operand, True)
-                return words.not_so.format(a=self.formula(node.operand, SINGLE))
+                # by its letter: what is denied would be heard to go on to the end of the sentence
+                return words.condition[1].format(a=self._letter(node.operand))
             case typed.Boolean():
                 return words.true if node.value else words.false
             case typed.Chained() if node.ops == ("<=", "<="):

@@ -64,7 +64,6 @@ class Words(Node):
     clear_of: tuple[str, str]
     same: tuple[str, str]
     in_state: tuple[str, str]
-    not_so: str
     either: str
     but_not_both: str
     implied: str
