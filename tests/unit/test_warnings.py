@@ -92,19 +92,8 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    assert warnings() == {
-        "E220",
-        "W301",
-        "W302",
-        "W303",
-        "W304",
-        "W305",
-        "W306",
-        "W307",
-        "W308",
-        "W309",
-        "W310",
-    }
+    numbers = range(301, 312)
+    assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
 
@@ -152,6 +141,36 @@ def test_where_a_quantifier_ends_is_asked(formula: str, word: str, tmp_path: Pat
     )
     allowed = compiled(tmp_path, more + rule("a", formula, '  allow     W307 because "why"\n'))
     assert [found.code for found in allowed.found] == ([] if word else ["W303"])
+
+
+@pytest.mark.parametrize(
+    ("formula", "joined"),
+    [
+        ("fast implies ego.v <= 3 m/s and slow implies ego.v <= 1 m/s", "ego.v <= 3 m/s and slow"),
+        ("fast implies ego.v <= 3 m/s or slow implies ego.v <= 1 m/s", "ego.v <= 3 m/s or slow"),
+        ("fast implies slow implies fast and slow implies ego.v <= 1 m/s", "fast and slow"),
+        ("fast iff ego.v <= 3 m/s and slow iff ego.v <= 1 m/s", "ego.v <= 3 m/s and slow"),
+        ("fast implies ego.v <= 3 m/s and slow iff ego.v <= 1 m/s", "ego.v <= 3 m/s and slow"),
+        ("fast xor slow and fast implies ego.v <= 1 m/s", "slow and fast"),
+        ("previous fast implies not fast and slow implies ego.v <= 1 m/s", "not fast and slow"),
+        ("(fast implies ego.v <= 3 m/s) and (slow implies ego.v <= 1 m/s)", ""),
+        ("fast implies (ego.v <= 3 m/s and slow) implies ego.v <= 1 m/s", ""),
+        ("fast implies (ego.v <= 3 m/s and slow implies ego.v <= 1 m/s)", ""),
+        ("fast and slow implies ego.v <= 3 m/s and slow", ""),
+        ("fast implies slow implies ego.v <= 1 m/s and slow", ""),
+    ],
+)
+def test_whether_two_consequences_are_meant_is_asked(formula: str, joined: str, tmp_path: Path) -> None:
+    """`a implies b and c implies d` reads as two demands, and demands nothing of b; before the formatter and after it."""
+    more = 'event fast "f"\nevent slow "s"\n'
+    made = compiled(tmp_path, more + rule("a", formula))
+    assert made.errors == []
+    assert [(found.code, found.span.text) for found in made.found] == ([("W311", joined)] if joined else [])
+    (tmp_path / "made.spec").write_text(
+        format_text(SourceFile("made.spec", HEAD + more + rule("a", formula))), "utf-8"
+    )
+    again = compile_paths([tmp_path / "made.spec"], tmp_path)
+    assert [found.code for found in again.found] == (["W311"] if joined else [])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import partial
-from typing import assert_never
+from typing import TypeGuard, assert_never
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
@@ -19,11 +19,13 @@ from trackmarshal.semantics.errors import (
     EndsEarly,
     ExactlyEqual,
     GoesOn,
+    JoinsConditions,
     TurnsOver,
     WrongDimension,
 )
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.notation import ASKED
 from trackmarshal.units import NUMBER, in_full, show
 
 #: What stands in parentheses on the left and on the right of a minus.
@@ -46,12 +48,10 @@ def warnings() -> set[str]:
 
 
 def ends_early(expr: ast.Binary) -> EndsEarly | None:
-    """What is to be said of a connective whose left side ends with a quantifier, or with `always`, that may have been meant to go on.
+    """What is to be said of `implies`, `iff` or `xor` whose left side ends with a quantifier, or with `always`, that may have been meant to go on.
 
     Of `and` and `or` it makes no difference, or next to none, how far it goes.
     """
-    if expr.op in ("and", "or"):
-        return None
     last: ast.Expr | None = expr.left
     while last is not None and not ast.is_parenthesised(last):
         below = _ending(last)
@@ -60,6 +60,26 @@ def ends_early(expr: ast.Binary) -> EndsEarly | None:
             return EndsEarly(last.__dict__["span"], word, expr.op)
         last = below
     return None
+
+
+def joins_conditions(expr: ast.Binary) -> JoinsConditions | None:
+    """What is to be said of `a implies b and c implies d`, which reads as two consequences, and demands nothing of `b`."""
+    left, right = expr.left, expr.right
+    if _leads_on(right):
+        middle, op = right.left, right.op
+    elif _leads_on(left):
+        while _leads_on(left.right):
+            left = left.right
+        middle, op = left.right, left.op
+    else:
+        return None
+    if isinstance(middle, ast.Binary) and middle.op in ("and", "or") and not ast.is_parenthesised(middle):
+        return JoinsConditions(middle.__dict__["span"], middle.op, op)
+    return None
+
+
+def _leads_on(expr: ast.Expr) -> TypeGuard[ast.Binary]:
+    return isinstance(expr, ast.Binary) and expr.op in ASKED and not ast.is_parenthesised(expr)
 
 
 def goes_on(expr: ast.Temporal) -> GoesOn | None:

@@ -847,6 +847,23 @@ class EndsEarly(Diagnostic):
     op: str
 
 
+class JoinsConditions(Diagnostic):
+    code = "W311"
+    title = "two consequences that are one"
+    level = "warning"
+    text = "this `{joined}` joins a consequence and a condition: one `{op}` stands in the other"
+    label = "this is one condition of the other `{op}`"
+    remedy = "put parentheses around each `{op}` with its own condition and consequence, or around this where it is meant"
+    explanation = (
+        "`and` and `or` bind tighter than `implies`, `iff` and `xor`: `a implies b and c implies d` is `a implies ((b and c) implies d)`, which demands "
+        "nothing of b. `(a implies b) and (c implies d)` demands both."
+    )
+
+    span: Span
+    joined: str
+    op: str
+
+
 class GoesOn(Diagnostic):
     code = "W308"
     title = "a temporal operator that goes on behind parentheses"

@@ -12,7 +12,7 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice, ends_early, goes_on
+from trackmarshal.semantics.advice import Advice, ends_early, goes_on, joins_conditions
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal_problem
 from trackmarshal.semantics.errors import (
@@ -41,6 +41,7 @@ from trackmarshal.semantics.values import (
 from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.notation import ASKED
 from trackmarshal.units import (
     NUMBER,
     TIME,
@@ -414,7 +415,9 @@ class Expressions:
     def _binary(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         op, span = expr.op, expr.span
         if op in typed.CONNECTIVES:
-            self.advise(ends_early(expr))
+            if op in ASKED:
+                self.advise(ends_early(expr))
+                self.advise(joins_conditions(expr))
             a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
