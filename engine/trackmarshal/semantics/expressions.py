@@ -21,6 +21,7 @@ from trackmarshal.semantics.errors import (
     Duplicate,
     TooLarge,
     UnknownField,
+    UnknownName,
     UnknownReference,
     UnusedVariable,
     WrongDimension,
@@ -263,6 +264,20 @@ class Expressions:
             self.look_up(expr.name, expr.span, "name", {*ctx.local, "pi"}, ctx), expr.span, ctx
         )
 
+    def _ended(self, expr: ast.Binary, before: int) -> None:
+        """Names that a quantifier on the left of a connective binds are unknown on its right: that it ends there is what is to be said of them."""
+        ended = {
+            name: node.quantifier
+            for node in expr.left.walk()
+            if isinstance(node, ast.Quantified)
+            for name in node.names
+        }
+        for at, item in enumerate(self.found[before:], before):
+            if isinstance(item, UnknownName) and item.name in ended:
+                quantifier = f"{ended[item.name]} {item.name}"
+                hint = f"`{quantifier}` ends before `{expr.op}`: put all that it is about in parentheses, `{quantifier} in ...: (...)`"
+                self.found[at] = UnknownName(item.span, item.what, item.name, hint)
+
     def look_up(self, name: str, span: Span, what: str, extra: set[str], ctx: Context) -> typed.Symbol:
         """A declared name; fails with what is wrong with it."""
         found = ctx.scope.look_up(name, span, what, extra)
@@ -418,7 +433,12 @@ class Expressions:
             if op in ASKED:
                 self.advise(ends_early(expr))
                 self.advise(joins_conditions(expr))
-            a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
+            before = len(self.found)
+            try:
+                a, b = self.all(lambda: self.formula(expr.left, ctx), lambda: self.formula(expr.right, ctx))
+            except Poison:
+                self._ended(expr, before)
+                raise
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
             return self._power(expr, ctx)

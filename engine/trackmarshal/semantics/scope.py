@@ -127,15 +127,17 @@ class Scope:
         return ""
 
     def field_of(self, enum: str) -> str:
-        """A field of a state that is one of an enumeration, as it is asked for; empty where there is none."""
-        for item in (
-            symbol.item for symbol in (*self.own.values(), *(each[0] for each in self.used.values()))
-        ):
-            if isinstance(item, ast.Signal) and item.kind == "state" and not item.many:
-                for field in item.fields_:
-                    if field.type == enum:
-                        return f"{item.name}.{field.name}"
-        return ""
+        """The field that is one of an enumeration, as it is asked for; empty where there is none, several, or one of elements alone."""
+        signals = [
+            symbol.item
+            for symbol in (*self.own.values(), *(each[0] for each in self.used.values()))
+            if isinstance(symbol.item, ast.Signal)
+        ]
+        found = [(item, field) for item in signals for field in item.fields_ if field.type == enum]
+        if len(found) != 1 or found[0][0].kind != "state" or found[0][0].many:
+            return ""
+        item, field = found[0]
+        return f"{item.name}.{field.name}"
 
     def _records(self) -> set[str]:
         """Names that may have fields."""

@@ -306,8 +306,10 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
     symbol = x.look_up(name, at, "state", set(), ctx)
     item = symbol.item
     if not isinstance(item, ast.State):
-        asked_of = ctx.scope.field_of(name) if isinstance(item, ast.Enum) else ""
-        hint = f"ask the field that is one of it: `{asked_of} is ...`" if asked_of else ""
+        hint = ""
+        if isinstance(item, ast.Enum):
+            asked_of = ctx.scope.field_of(name)
+            hint = f"ask the field that is one of it: `{asked_of or '...'} is ...`"
         if isinstance(item, ast.Signal) and item.many:
             hint = f"how many there are is `count(o in {name})`: of none, it is 0"
         x.fail(WrongKind(at, "a state", f"the {spoken(item)} `{name}`", hint))
