@@ -368,6 +368,8 @@ class Expressions:
                 hint = close_matches(expr.name, known)
                 if not hint and value.signal is not None and value.signal.field(expr.name) is not None:
                     hint = "the definition asks for a shape without it"
+                elif not hint and expr.name == "id":
+                    hint = f"an id is no field: {_NUMBERED}"
                 elif not hint:
                     hint = "only what a signal's declaration lists can be read"
                 self.fail(UnknownField(span, record_spoken(value), expr.name, ", ".join(known), hint))
@@ -714,7 +716,9 @@ class Expressions:
         signal = value.signal
         courses.refuse_course(signal, _span(domain), "no quantifier ranges over", self)
         if len(names) > 1 and not consecutive:
-            hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
+            hint = "write a quantifier for each"
+            if signal.sequence:
+                hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
             self.fail(
                 UnknownReference(span, "several variables range together over consecutive samples only", hint)
             )
@@ -867,14 +871,18 @@ def _of_formulas(expr: ast.Binary) -> str:
     return f"write `({left}) {'iff' if expr.op == '==' else 'xor'} ({right})`"
 
 
+#: How elements of one set are told apart.
+_NUMBERED = "let the data number them, in a field of the unit 1"
+
+
 def _of_records(expr: ast.Binary, left: typed.Record, right: typed.Record) -> str:
     """What to write for two elements, or an element and a state, between which `!=` stands.
 
     Not their places: two that are in one place are what rules about two of them look for.
     """
     ours, theirs = (_span(side).text for side in (expr.left, expr.right))
-    if left.signal is not None and left.signal is right.signal:
-        return f"declare a number that each of them has, `number: 1`, and write `{ours}.number {expr.op} {theirs}.number`"
+    if left.signal is not None and left.signal.many and left.signal == right.signal:
+        return f"{_NUMBERED}: `{ours}.number {'==' if expr.op == '==' else '<'} {theirs}.number`"
     return "compare a field that tells which it is: declare one, such as `own: bool`"
 
 
