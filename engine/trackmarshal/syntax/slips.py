@@ -374,8 +374,10 @@ def _structure(found: str, before: str, line: str, expected: set[str]) -> str:
         return "a column is not indexed: bind its samples with `for all p in plan`"
     if re.search(r"[0-9]\.\s*\Z", before) and expected == {"NAME"}:
         return "a number with a point has digits after it"
-    if "_ELSE" in expected:
+    if "_ELSE" in expected and re.search(r"\bif\b", before):
         return "an `if` chooses between two numbers, `if C then a else b`; between two conditions: `(C implies A) and (C or B)`"
+    if "_ELSE" in expected and found == "," and "COMPARE" not in expected:
+        return "a number of many ranges over one: of two, it is one in the other, `min(min(... for p in plan) for o in objects else ...)`"
     if not found and "_EXPECT" in expected:
         return "a test says what it expects: `expect satisfied`"
     if found and found in ")]}" and not open_brackets(before):
