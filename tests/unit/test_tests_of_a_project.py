@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from support.project import command
+from support.project import command, run_command
 
 V_MODEL = """document: v-model
 title: small
@@ -82,3 +82,37 @@ def test_a_test_that_fails_covers_nothing(tmp_path: Path) -> None:
     assert status == 1
     assert "slow  3      yes     NO       yes" in out
     assert out.endswith("2 passed, 1 failed; 0 of 1 rules covered\n")
+
+
+OVER_RUN = """module stops
+
+event order "a stop is ordered"
+event answer "it is acknowledged"
+
+rule answered "Within 5 s"
+  whenever  order
+  within    5 s
+  require   answer
+
+test answered "in time"
+  given  order = true
+  after  3 s
+  given  order = false
+  given  answer = true
+  expect satisfied
+"""
+
+
+def test_a_cycle_that_counts_for_nothing_is_named(tmp_path: Path) -> None:
+    """The first cycle has no `answer`, and so no order: "inactive" alone says nothing of it."""
+    (tmp_path / "stops.spec").write_text(OVER_RUN, "utf-8")
+    status, out, err = run_command("test", str(tmp_path / "stops.spec"))
+    assert status == 1
+    assert (
+        "expected satisfied, got inactive, margin inf (nothing in its range; of the cycle at 0 s nothing is known: D211 answer: it is not there)"
+        in out + err
+    )
+    (tmp_path / "stops.spec").write_text(
+        OVER_RUN.replace("order = true\n", "order = true\n  given  answer = false\n"), "utf-8"
+    )
+    assert run_command("test", str(tmp_path / "stops.spec"))[1].splitlines()[-1].startswith("1 passed")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -187,10 +187,15 @@ def _itself(result: RuleResult) -> RuleResult:
 
 def _over_run(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
     run = evaluator.over_run()
+    gaps = []
     for t, signals in ((0.0, test.case["signals"]), *test.later):
         named = {name: _named(value) for name, value in signals.items()}
         result = run.step(evaluator.read({**test.case, "signals": named, "t": t}))
-    return result.rules[test.rule.name]
+        gaps += [f"of the cycle at {t:g} s nothing is known: {fault}" for fault in result.faults[:1]]
+    said = result.rules[test.rule.name]
+    if not gaps or result.faults:  # what is wrong with the last cycle is its own reason
+        return said
+    return replace(said, reason="; ".join(filter(None, (said.reason, gaps[0]))))
 
 
 def _named(value: Any) -> Any:
