@@ -333,6 +333,23 @@ def test_nothing_is_fused(flags: str, tmp_path: Path) -> None:
     assert not re.findall(r"\bvfn?m(?:add|sub)\w*", said)
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize(
+    "flags", ["-Ofast", "-ffast-math", "-ffinite-math-only", "-funsafe-math-optimizations", "-mfpmath=387"]
+)
+def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> None:
+    """With gcc 12.2 and `-O0 -ffast-math`, trajectories with a speed that is NaN were driven as safe."""
+    if flags.startswith("-m") and platform.machine() not in ("x86_64", "AMD64"):
+        pytest.skip("another machine")
+    made = source()
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    command = ["gcc", "-std=c99", "-E", flags, f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.returncode != 0
+    assert "compile this file with" in said.stderr
+
+
 @needs_compiler
 def test_two_processes_build_at_once(tmp_path: Path) -> None:
     code = (
