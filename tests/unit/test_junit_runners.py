@@ -26,6 +26,7 @@ WORDS = {"p": "passed", "f": "failed", "e": "error", "s": "skipped"}
         ("gtest_environment_skips", "ss"),
         ("gtest_environment_skips_elsewhere", "ss"),
         ("jest", "spsfsppf"),
+        ("meson", "pffpfe"),
         ("mocha_pending", "pfssspfpf"),
         ("mocha_xunit", "pfssspfpf"),
         ("node", "pfsssfp"),
@@ -46,6 +47,7 @@ def test_what_the_runner_says_of_each(report: str, outcomes: str) -> None:
     [
         ("catch2_should_fail", "T335", "take the tag away"),
         ("doctest", "T333", "let CTest run its tests"),
+        ("meson_1_3", "T335", "let Meson 1.10 or later write it"),
         ("mocha", "T335", "includePending=true"),
         ("pytest_8_3_subtests", "T335", "have a newer one write it"),
     ],
