@@ -1,0 +1,74 @@
+"""Vehicles that nobody thought of when the rules were written: no fallback is safe that they cannot drive, and none is refused that they can.
+
+Made up, on a straight road. How they stop is worked out here, from their own brakes, tyres and drag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import trackmarshal as tm
+from support.cycles import cycle
+from support.supervised import BACKENDS, shipped
+from trackmarshal.runtime.cycle import Cycle
+
+Floats = NDArray[np.float64]
+
+#: Tyres of 7.8 m/s^2, and brakes of half of that.
+LORRY = {"length": 12.0, "width": 2.55, "mass": 12000.0, "R_min": 9.0, "mu": 0.8, "drag": 3.0, "b_max": 4.0, "v_max": 25.0}  # fmt: skip
+
+
+def along(s: Floats, v: Floats, a: Floats) -> dict[str, Floats]:
+    """Straight on through these places, at these speeds."""
+    t = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (v[1:] + v[:-1]))])
+    zero = np.zeros(len(s))
+    return {
+        "t": t,
+        "s": s,
+        "x": s.copy(),
+        "y": zero,
+        "heading": zero.copy(),
+        "kappa": zero.copy(),
+        "v": v,
+        "a": a,
+    }
+
+
+def stopping(brakes: Floats, step: float, told: float) -> dict[str, Floats]:
+    """To rest in steps of one length, each with a deceleration of its own, whatever the column says of them."""
+    v = np.sqrt(np.append(np.cumsum(2.0 * brakes[::-1] * step)[::-1], 0.0))
+    return along(np.arange(len(v)) * step, v, np.full(len(v), -told))
+
+
+def made(emergency: Mapping[str, Floats]) -> Cycle:
+    """A car that drives on, and falls back on this."""
+    v, t = float(emergency["v"][0]), np.linspace(0.0, 3.0, 31)
+    given = cycle(0, objects=0, obstacles=0, v=v)
+    for candidate, columns in ((given.driving, along(v * t, np.full(len(t), v), np.zeros(len(t)))), (given.emergency, emergency)):  # fmt: skip
+        candidate.clear()
+        candidate.update(columns)
+    return given
+
+
+def objections(given: Cycle, vehicle: Mapping[str, float], backend: str) -> set[str]:
+    decision = tm.supervisor(shipped(), backend=backend, params=vehicle, clock=lambda: 0.0).step(given)
+    assert decision.faults == ()
+    return {one.rule for one in decision.violations}
+
+
+@BACKENDS
+@pytest.mark.verifies("S-1-A-5")
+@pytest.mark.parametrize("steps", [2, 3, 4, 7])
+def test_no_step_brakes_harder_than_the_brakes(steps: int, backend: str) -> None:
+    """The first and the last step have no acceleration that anything holds against their speeds: with what the tyres take, it ends 14 m early."""
+    brakes = np.full(steps, LORRY["b_max"])
+    gentle = stopping(brakes, 8.0, LORRY["b_max"])
+    assert objections(made(gentle), LORRY, backend) == set()
+    brakes[[0, -1]] = 7.5
+    hard = stopping(brakes, 8.0, LORRY["b_max"])
+    assert hard["v"][0] ** 2 / (2.0 * LORRY["b_max"]) > hard["s"][-1] + 10.0
+    assert objections(made(hard), LORRY, backend) == {"speed_integrity"}
