@@ -13,13 +13,23 @@ from numpy.typing import NDArray
 
 import trackmarshal as tm
 from support.cycles import cycle
-from support.supervised import BACKENDS, shipped
+from support.supervised import BACKENDS, ROOT, shipped
+from trackmarshal.evaluation import load
 from trackmarshal.runtime.cycle import Cycle
 
 Floats = NDArray[np.float64]
 
 #: Tyres of 7.8 m/s^2, and brakes of half of that.
 LORRY = {"length": 12.0, "width": 2.55, "mass": 12000.0, "R_min": 9.0, "mu": 0.8, "drag": 3.0, "b_max": 4.0, "v_max": 25.0}  # fmt: skip
+
+
+def of_file(name: str) -> dict[str, float]:
+    """A shipped vehicle's own values."""
+    spec = load([ROOT / "specs" / "supervisor"], [ROOT / "specs" / "vehicles" / f"{name}.spec"])
+    return {param: spec.params[f"vehicles.devbot.{param}"].value for param in LORRY}
+
+
+VEHICLES = {"lorry": LORRY, "compact": of_file("compact"), "av21": of_file("av21")}
 
 
 def along(s: Floats, v: Floats, a: Floats) -> dict[str, Floats]:
@@ -42,6 +52,22 @@ def stopping(brakes: Floats, step: float, told: float) -> dict[str, Floats]:
     """To rest in steps of one length, each with a deceleration of its own, whatever the column says of them."""
     v = np.sqrt(np.append(np.cumsum(2.0 * brakes[::-1] * step)[::-1], 0.0))
     return along(np.arange(len(v)) * step, v, np.full(len(v), -told))
+
+
+def slows(vehicle: Mapping[str, float], v: Floats) -> Floats:
+    """With all that tyres and brakes have, but for a hundredth: tyres and drag, and no more than the brakes."""
+    return 0.99 * np.minimum(
+        vehicle["mu"] * 9.81 + vehicle["drag"] * v**2 / vehicle["mass"], vehicle["b_max"]
+    )
+
+
+def braking(vehicle: Mapping[str, float], v: float) -> dict[str, Floats]:
+    speeds = np.linspace(v, 0.0, 5001)
+    passed = (speeds[:-1] ** 2 - speeds[1:] ** 2) / 2.0 / slows(vehicle, (speeds[1:] + speeds[:-1]) / 2.0)
+    s = np.append(0.0, np.cumsum(passed))
+    own = np.linspace(0.0, s[-1], 100)
+    at = np.sqrt(np.interp(own, s, speeds**2))
+    return along(own, at, -slows(vehicle, at))
 
 
 def made(emergency: Mapping[str, Floats]) -> Cycle:
@@ -72,3 +98,38 @@ def test_no_step_brakes_harder_than_the_brakes(steps: int, backend: str) -> None
     hard = stopping(brakes, 8.0, LORRY["b_max"])
     assert hard["v"][0] ** 2 / (2.0 * LORRY["b_max"]) > hard["s"][-1] + 10.0
     assert objections(made(hard), LORRY, backend) == {"speed_integrity"}
+
+
+@BACKENDS
+@pytest.mark.verifies("S-1-A-2")
+@pytest.mark.parametrize("other", [0.0, 15.0], ids=["stands", "brakes"])
+@pytest.mark.parametrize("vehicle", ["compact", "av21", "lorry"])
+def test_a_fallback_that_leaves_no_response_is_refused(vehicle: str, other: float, backend: str) -> None:
+    """What is approved is driven on for a response, and then the car brakes with all that it has, which is less than b_rear says."""
+    values = VEHICLES[vehicle]
+    v = min(values["v_max"] - 1.0, 50.0)
+    columns = braking(values, v)
+    way, ahead = columns["s"][-1], other**2 / (2.0 * 13.0)
+    for room in np.linspace(way - ahead + 0.1, way - ahead + 0.2 * v + 60.0, 16):
+        given = made(columns)
+        body = {
+            "x": room + (values["length"] + 4.5) / 2.0,
+            "y": 0.0,
+            "heading": 0.0,
+            "v": other,
+            "length": 4.5,
+            "width": 2.0,
+        }
+        given.signals["objects"] = [{"id": "other", **body}]
+        if not objections(given, values, backend):
+            assert 0.2 * v + way < room + ahead
+    assert objections(given, values, backend) == set()
+
+
+@BACKENDS
+@pytest.mark.verifies("S-1-A-2")
+@pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 24.0])
+@pytest.mark.parametrize("change", [{"mu": 0.2}, {"b_max": 1.5}], ids=["snow", "weak"])
+def test_a_fallback_that_brakes_with_all_there_is_is_none_too_long(change: dict[str, float], v: float, backend: str) -> None:  # fmt: skip
+    values = {**LORRY, **change}
+    assert objections(made(braking(values, v)), values, backend) == set()
