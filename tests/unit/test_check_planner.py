@@ -288,6 +288,12 @@ def test_what_does_not_fit_is_said(spec: Spec, name: str) -> None:
     assert not report.convertible
 
 
+def test_who_waits_longer_is_told_what_else_has_to(spec: Spec) -> None:
+    report = tm.check_planner(broken(BROKEN["late"][0]), spec, header=recorded()[1])
+    (said,) = [found.help for found in report.findings if "late (D225)" in found.words]
+    assert all(f"`{name}`" in said for name in ("longest_gap", "t_next", "t_unseen", "response"))
+
+
 def test_a_tail_that_creeps(spec: Spec) -> None:
     def creep(raw: dict[str, Any], number: int) -> None:
         plan = raw["candidates"]["emergency"]
