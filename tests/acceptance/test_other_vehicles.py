@@ -128,6 +128,27 @@ def test_a_fallback_that_leaves_no_response_is_refused(vehicle: str, other: floa
 
 @BACKENDS
 @pytest.mark.verifies("S-1-A-2")
+@pytest.mark.parametrize("grip", [0.8, 0.5, 0.2])
+def test_nor_on_a_wet_road(grip: float, backend: str) -> None:
+    """What is left of the tyres is what a road lets them, of the shipped vehicle, too."""
+    shipped_one = of_file("devbot")
+    columns = braking({**shipped_one, "mu": shipped_one["mu"] * grip}, 50.0)
+    way, columns["grip"] = columns["s"][-1], np.full(len(columns["s"]), grip)
+    given = made(columns)
+    # RSS by hand, without the drag that helps.
+    enough = 0.2 * 50.0 + 6.0 * 0.2**2 / 2.0 + (50.0 + 6.0 * 0.2) ** 2 / (2.0 * 13.0 * grip) + 0.01
+    for room in np.linspace(way + 0.1, enough, 17):
+        given.signals["objects"] = [
+            {"id": "other", "x": room + (shipped_one["length"] + 4.5) / 2.0, "y": 0.0, "heading": 0.0, "v": 0.0,
+             "length": 4.5, "width": 2.0}
+        ]  # fmt: skip
+        if not objections(given, {}, backend):
+            assert 0.2 * 50.0 + way < room
+    assert objections(given, {}, backend) == set()
+
+
+@BACKENDS
+@pytest.mark.verifies("S-1-A-2")
 @pytest.mark.parametrize("v", [3.0, 10.0, 20.0, 24.0])
 @pytest.mark.parametrize("change", [{"mu": 0.2}, {"b_max": 1.5}], ids=["snow", "weak"])
 def test_a_fallback_that_brakes_with_all_there_is_is_none_too_long(change: dict[str, float], v: float, backend: str) -> None:  # fmt: skip
