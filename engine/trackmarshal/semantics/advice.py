@@ -160,7 +160,7 @@ class Advice:
                 and self.is_bare(number)
                 and self.declared_in(PERCENT, other)
             ):
-                return BarePercentage(number.span, other.span, _text(number), in_full(value, "%"))
+                return BarePercentage(number.span, other.span, in_full(value, "1"), in_full(value, "%"))
         return None
 
     def in_unit(

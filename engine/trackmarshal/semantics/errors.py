@@ -798,7 +798,7 @@ class NeverHolds(Diagnostic):
     text = "{what} never holds"
     label = "{consequence}"
     other_label = "nothing is left from here on"
-    remedy = 'mend it, or say in the rule why this is meant: `allow W305 because "..."`'
+    remedy = "mend it, or {otherwise}"
     explanation = (
         "No input that keeps the contract meets the condition, whatever parameters are set to within their ranges: a value outside of its declared "
         "range (perhaps in another unit), limits that exclude each other, or a denial of what is demanded further up. A `whenever` or a `where` like "
@@ -809,6 +809,7 @@ class NeverHolds(Diagnostic):
     what: str
     consequence: str
     other: Span | None = None
+    otherwise: str = 'say in the rule why this is meant: `allow W305 because "..."`'
 
 
 class AlwaysHolds(Diagnostic):

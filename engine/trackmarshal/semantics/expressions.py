@@ -273,7 +273,11 @@ class Expressions:
             for name in node.names
         }
         for at, item in enumerate(self.found[before:], before):
-            if isinstance(item, UnknownName) and item.name in ended:
+            if (
+                isinstance(item, UnknownName)
+                and item.name in ended
+                and item.span.start >= _span(expr.right).start
+            ):
                 quantifier = f"{ended[item.name]} {item.name}"
                 hint = f"`{quantifier}` ends before `{expr.op}`: put all that it is about in parentheses, `{quantifier} in ...: (...)`"
                 self.found[at] = UnknownName(item.span, item.what, item.name, hint)

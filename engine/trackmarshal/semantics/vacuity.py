@@ -30,7 +30,10 @@ def never_taken(guard: ir.Formula, span: Span, bounds: Bounds) -> Diagnostic | N
         part = bounds.impossible(guard, bounds.nothing)
     except (TooMuchError, RecursionError):
         return None
-    return _never(span, "this guard", "the transition is never taken", part)
+    # It is so whatever rule asks for the state, and no rule can allow it.
+    return _never(
+        span, "this guard", "the transition is never taken", part, otherwise="leave the transition out"
+    )
 
 
 def _vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Diagnostic | None:
@@ -67,9 +70,11 @@ def _vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Diagnostic | No
     return None
 
 
-def _never(span: Span, what: str, consequence: str, part: Span | None) -> NeverHolds:
+def _never(span: Span, what: str, consequence: str, part: Span | None, **more: str) -> NeverHolds:
     """What never holds, and the part of it because of which: not where that is all of it."""
-    return NeverHolds(span, what, consequence, None if part is None or part.text == span.text else part)
+    return NeverHolds(
+        span, what, consequence, None if part is None or part.text == span.text else part, **more
+    )
 
 
 def _where(clause: typed.Along | typed.Whenever | typed.ForEach) -> Span:
