@@ -335,7 +335,16 @@ def test_nothing_is_fused(flags: str, tmp_path: Path) -> None:
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize(
-    "flags", ["-Ofast", "-ffast-math", "-ffinite-math-only", "-funsafe-math-optimizations", "-mfpmath=387"]
+    "flags",
+    [
+        "-Ofast",
+        "-ffast-math",
+        "-ffinite-math-only",
+        "-funsafe-math-optimizations",
+        "-freciprocal-math",
+        "-fno-signed-zeros",
+        "-mfpmath=387",
+    ],
 )
 def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> None:
     """With gcc 12.2 and `-O0 -ffast-math`, trajectories with a speed that is NaN were driven as safe."""
