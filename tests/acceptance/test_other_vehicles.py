@@ -154,3 +154,32 @@ def test_nor_on_a_wet_road(grip: float, backend: str) -> None:
 def test_a_fallback_that_brakes_with_all_there_is_is_none_too_long(change: dict[str, float], v: float, backend: str) -> None:  # fmt: skip
     values = {**LORRY, **change}
     assert objections(made(braking(values, v)), values, backend) == set()
+
+
+@BACKENDS
+@pytest.mark.verifies("S-1-A-2")
+@pytest.mark.parametrize("grip", [1.8, 2.2, 3.0])
+@pytest.mark.parametrize("v", [20.0, 40.0, 55.0])
+def test_who_brakes_harder_than_the_one_ahead_touches_it_nowhere(v: float, grip: float, backend: str) -> None:
+    """Both stand clear of each other in the end. The one that waits, and brakes with more, is at rest before the one ahead has got there."""
+    values = {**LORRY, "length": 3.0, "width": 1.5, "mass": 250.0, "mu": grip, "drag": 0.0, "b_max": 40.0, "v_max": 80.0}  # fmt: skip
+    found = 0
+    for wait in np.arange(0.2, 2.0, 0.2):
+        stops = braking(values, v)
+        before = np.linspace(0.0, v * wait, 20, endpoint=False)
+        s = np.append(before, stops["s"] + v * wait)
+        columns = along(
+            s, np.append(np.full(len(before), v), stops["v"]), np.append(np.zeros(len(before)), stops["a"])
+        )
+        for other in (1.1 * v, 1.25 * v, 1.5 * v):
+            t = np.linspace(0.0, columns["t"][-1], 2000)
+            drives = other * t - 13.0 * np.minimum(t, other / 13.0) ** 2 / 2.0
+            drives[t > other / 13.0] = other**2 / 26.0
+            room = max(s[-1] - other**2 / 26.0, 0.0) + 0.3
+            given = made(columns)
+            body = {"x": room + 3.75, "y": 0.0, "heading": 0.0, "v": other, "length": 4.5, "width": 2.0}
+            given.signals["objects"] = [{"id": "other", **body}]
+            if np.min(room + drives - np.interp(t, columns["t"], s)) < -0.1:
+                found += 1
+                assert "safe_fallback" in objections(given, values, backend)
+    assert found
