@@ -5,18 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError, wrong_type
-from trackmarshal.evaluation import BACKENDS, Evaluator
+from trackmarshal.evaluation import BACKENDS, Evaluator, broken_constraints
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.cycle import LIMITS_MODULE, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.frame import Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.saving import damaged
 from trackmarshal.runtime.snapshots import EVERY, Snapshot
@@ -68,6 +68,18 @@ def rulebox(
     return Rulebox(evaluator, settings, {**evaluator.identity, **given})
 
 
+def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
+    """The limits that a spec declares, with some changed; raises E481 or E485, and E403 where they break a constraint of the spec."""
+    held = Limits.of(spec, **changes)
+    declared = {f"{LIMITS_MODULE}.{name}": float(value) for name, value in changes.items()}
+    params = {name: value for name, value in declared.items() if name in spec.params}
+    if params:
+        broken = broken_constraints(spec, replace(settings, params={**settings.params, **params}))
+        if broken:
+            raise TrackmarshalError("E403", broken[0], help="change the limits, or the parameters with them")
+    return held
+
+
 def supervisor(
     spec: Spec,
     rules: Sequence[str] | None = None,
@@ -96,7 +108,7 @@ def supervisor(
     if record is not None and not isinstance(record, str | Path):
         raise wrong_type("`record` is the path of a file", record)
     box = rulebox(Evaluator(spec, rules, backend), params, tables)
-    held = limits if isinstance(limits, Limits) else Limits.of(spec, **(limits or {}))
+    held = limits if isinstance(limits, Limits) else limits_with(spec, limits or {}, box.settings)
     made = box.running(held, clock)
     if record is not None:
         if snapshots:

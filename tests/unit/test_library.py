@@ -154,7 +154,10 @@ def test_what_is_called_as_a_shipped_file_is_the_projects_own(tmp_path: Path) ->
     assert "the rule `hidden` has no test" in out + err
 
 
-@pytest.mark.parametrize(("read", "held"), [("b_rear", ["b_rear <= b_front"]), ("response", [])])
+@pytest.mark.parametrize(
+    ("read", "held"),
+    [("b_rear", ["b_rear <= b_front"]), ("t_unseen", ["oldest + longest_gap <= t_unseen"]), ("response", [])],
+)
 def test_a_shipped_constraint_is_held_where_a_claimed_rule_reads_what_it_restricts(
     read: str, held: list[str]
 ) -> None:
@@ -162,12 +165,15 @@ def test_a_shipped_constraint_is_held_where_a_claimed_rule_reads_what_it_restric
     from trackmarshal.records import SpecItem
 
     compiled = compile_paths([REPOSITORY / "specs" / "supervisor"])
-    (file,) = {constraint.span.file.path for constraint in compiled.spec.constraints}
+    files = {constraint.span.file.path for constraint in compiled.spec.constraints}
     item = SpecItem(
         "rule", "mine", "title", (), (), "f", 1, 1, "0", inputs={f"param supervisor.collision.{read}": "x"}
     )
-    found = [part.name for part in spec_parts(compiled.spec, [item], {file}) if part.kind == "constraint"]
+    found = [part.name for part in spec_parts(compiled.spec, [item], files) if part.kind == "constraint"]
     assert found == held
-    assert [part.name for part in spec_parts(compiled.spec, [item]) if part.kind == "constraint"] == [
-        "b_rear <= b_front"
-    ]
+    every = {part.name for part in spec_parts(compiled.spec, [item]) if part.kind == "constraint"}
+    assert every == {
+        "b_rear <= b_front",
+        "oldest + longest_gap <= t_next",
+        "oldest + longest_gap <= t_unseen",
+    }

@@ -60,6 +60,40 @@ def test_a_process_has_those_of_the_project(tmp_path: Path) -> None:
         limits_of(Namespace(limit=["sample=3"]), spec)
 
 
+SLOWER = "param longest_gap : s = 0.3 s"
+
+
+def test_whoever_waits_longer_for_a_cycle_has_rules_that_look_as_far(tmp_path: Path) -> None:
+    """A driving trajectory that is over after 0.25 s was approved where the next decision may come 0.4 s after its stamp."""
+    for changed, looks in (("t_next", "t_unseen"), ("t_unseen", "t_next")):
+        spec = configured(tmp_path, f"{SLOWER}\nparam {changed} : s = 0.4 s")
+        with pytest.raises(
+            tm.TrackmarshalError, match=f"oldest \\+ longest_gap <= {looks}` does not hold"
+        ) as caught:
+            tm.supervisor(spec)
+        assert caught.value.code == "E403"
+    spec = configured(tmp_path, f"{SLOWER}\nparam t_next : s = 0.4 s\nparam t_unseen : s = 0.4 s")
+    assert tm.supervisor(spec).limits == tm.Limits(longest_gap=0.3)
+
+
+def test_limits_that_are_given_are_held_to_the_constraints_of_those_that_are_declared() -> None:
+    spec, seen = shipped(), {"t_next": 0.4, "t_unseen": 0.4}
+    with pytest.raises(
+        tm.TrackmarshalError, match="oldest \\+ longest_gap <= t_next` does not hold"
+    ) as caught:
+        tm.supervisor(spec, limits={"longest_gap": 0.3})
+    assert (caught.value.code, caught.value.help) == (
+        "E403",
+        "change the limits, or the parameters with them",
+    )
+    assert tm.supervisor(spec, limits={"longest_gap": 0.3}, params=seen).limits.longest_gap == 0.3
+    with pytest.raises(tm.TrackmarshalError, match="does not hold"):
+        tm.supervisor(spec, limits={"longest_gap": 0.3, "oldest": 0.2}, params=seen)
+    with pytest.raises(tm.TrackmarshalError, match="does not hold"):
+        limits_of(Namespace(limit=["longest_gap=0.3"]), spec)
+    assert limits_of(Namespace(limit=["longest_gap=0.1"]), spec).longest_gap == 0.1
+
+
 def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:
     spec = declared(tmp_path, "param longest_gap : ms = 250 ms\nparam turned : deg = 10 deg")
     assert tm.Limits.of(spec) == tm.Limits(longest_gap=0.25, turned=math.radians(10.0))

@@ -49,9 +49,10 @@ def choose_limits(parser: argparse.ArgumentParser) -> None:
 
 
 def limits_of(args: argparse.Namespace, spec: Spec) -> Limits:
-    """The limits that a spec declares, with those that were chosen; raises E481 for a name or a value that is none."""
+    """The limits that a spec declares, with those that were chosen; raises E481 for a name or a value that is none, E403 as `limits_with`."""
     from trackmarshal.diagnostics.base import close_matches
     from trackmarshal.runtime.cycle import Limits
+    from trackmarshal.supervision import limits_with
 
     defaults = asdict(Limits())
     chosen: dict[str, float] = {}
@@ -71,4 +72,4 @@ def limits_of(args: argparse.Namespace, spec: Spec) -> Limits:
                 f"`{text}` is no number for the limit `{name}`",
                 help=f"such as {name}={defaults[name]}",
             ) from error
-    return Limits.of(spec, **chosen)
+    return limits_with(spec, chosen)
