@@ -253,8 +253,8 @@ def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     assert not list((tmp_path / "c").rglob("*.so"))
 
 
-def one_rule() -> CProgram:
-    return CProgram(spec(), [rule for rule in spec().rules if rule.name == "turn_radius"])
+def one_rule(name: str = "turn_radius") -> CProgram:
+    return CProgram(spec(), [rule for rule in spec().rules if rule.name == name])
 
 
 @needs_compiler
@@ -357,6 +357,21 @@ def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> No
     said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert said.returncode != 0
     assert "compile this file with" in said.stderr
+
+
+@pytest.mark.parametrize("name", ["gcc", "clang"])
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="looks for instructions of an x86")
+def test_nothing_is_fused_in_a_build_of_ones_own(name: str, tmp_path: Path) -> None:
+    """Both compilers fuse if nobody forbids it, gcc wherever GNU C is asked for: `v * v - w * w < 0` held of the same speed twice."""
+    if shutil.which(name) is None:
+        pytest.skip(f"no {name}")
+    made = one_rule("friction").source
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    command = [name, "-std=gnu99", "-O2", "-mfma", "-S", "-o", "-", f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert re.search(r"\bv?mul[sp]d\b", said)
+    assert not re.findall(r"\bvfn?m(?:add|sub)\w*", said)
 
 
 @needs_compiler
