@@ -18,6 +18,7 @@ WORDS = {"p": "passed", "f": "failed", "e": "error", "s": "skipped"}
 @pytest.mark.parametrize(
     ("report", "outcomes"),
     [
+        ("bats", "fsp"),
         ("catch2", "ppfessp"),
         ("catch2_crash", "e"),
         ("ctest", "pfpfssssffssfp"),
@@ -45,6 +46,7 @@ def test_what_the_runner_says_of_each(report: str, outcomes: str) -> None:
 @pytest.mark.parametrize(
     ("report", "code", "what_to_do"),
     [
+        ("bats_replaced", "T335", "lists a test that was killed"),
         ("catch2_should_fail", "T335", "take the tag away"),
         ("doctest", "T333", "let CTest run its tests"),
         ("meson_1_3", "T335", "let Meson 1.10 or later write it"),
