@@ -51,6 +51,7 @@ def test_what_the_runner_says_of_each(report: str, outcomes: str) -> None:
         ("doctest", "T333", "let CTest run its tests"),
         ("meson_1_3", "T335", "let Meson 1.10 or later write it"),
         ("mocha", "T335", "includePending=true"),
+        ("qt", "T333", "let CTest run its tests"),
         ("pytest_8_3_subtests", "T335", "have a newer one write it"),
     ],
 )
