@@ -61,12 +61,27 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         yield error("T380", message, Place(baseline), "put what it leads to in its place")
         return
     try:
+        filter_ = _kept_by(root, baseline)
+        if filter_:
+            message = f"who accepted the baseline cannot be told: `filter={filter_}` of `.gitattributes` keeps something else of it in git"
+            help_ = f"add `/{baseline} -filter` to the `.gitattributes` of this folder, and commit it anew: `git add --renormalize {baseline}`"
+            yield error("T380", message, Place(baseline), help_)
+            return
         yield from list(_along(root, baseline)) or list(_merged(root, baseline))
     except (OSError, subprocess.SubprocessError) as problem:
         refusal, help_ = refused(problem)
         message = f"who accepted the baseline is not known: {refusal}"
         help_ = help_ or "put it under version control, and commit it"
         yield warning("T381", message, Place(baseline), help_)
+
+
+def _kept_by(root: Path, baseline: str) -> str:
+    """The filter by which git has something else than a baseline in its place, as Git LFS the size and hash of a file; empty where there is none."""
+    kept = _version(root, "HEAD", baseline)
+    if not kept or not _is_none(kept):
+        return ""
+    filter_ = _git(root, "check-attr", "-z", "filter", "--", baseline).split("\0")[2]
+    return "" if filter_ in ("unspecified", "unset") else filter_
 
 
 def _merged(root: Path, baseline: str) -> Iterator[Finding]:
