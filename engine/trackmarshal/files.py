@@ -15,6 +15,9 @@ from typing import BinaryIO
 #: Entries below a folder that are looked at; a link to the root of a disk has more.
 MOST_ENTRIES = 200_000
 
+#: How pointers of Git LFS and git-annex begin, which stand in the place of contents that were not fetched.
+POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
+
 #: What git writes before and behind both sides of what it could not merge.
 _SIDES = [re.compile(sign + rb"{7}(?:[ \t\r][^\n]*)?$", re.MULTILINE) for sign in (rb"^<", rb"^>")]
 UNMERGED = "git left a merge to be settled by hand here, and nobody did"

@@ -304,6 +304,16 @@ def test_other_files_are_refused(tmp_path: Path, name: str, data: bytes, code: s
     assert caught.value.file == str(tmp_path / name)
 
 
+@pytest.mark.parametrize("name", ["x.tmrec.jsonl", "x.tmrec.jsonl.gz", "x.saa", "x.yaml"])
+def test_a_pointer_is_told_from_a_recording_that_is_damaged(tmp_path: Path, name: str) -> None:
+    """As a checkout without Git LFS leaves it."""
+    (tmp_path / name).write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12345\n")
+    with pytest.raises(TrackmarshalError) as caught:
+        scenarios.load(tmp_path / name)
+    assert caught.value.code == "D121"
+    assert "git lfs pull" in (caught.value.help or "")
+
+
 def test_content_counts_more_than_the_name(tmp_path: Path) -> None:
     recording_io.write(sample(), tmp_path / "renamed.txt")
     assert scenarios.load(tmp_path / "renamed.txt") == sample()

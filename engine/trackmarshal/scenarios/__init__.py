@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.errors import TrackmarshalError, wrong_type
+from trackmarshal.files import POINTERS
 
 if TYPE_CHECKING:
     from trackmarshal.scenarios.recording import Recording
@@ -29,6 +30,12 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
     shown = shown or str(path)
     data = content.read(path, shown)
     suffix = path.suffix.lower()
+    if data.startswith(POINTERS):
+        message = (
+            f"`{path.name}` was not fetched: it is the pointer that Git LFS or git-annex leaves in its place"
+        )
+        help_ = "`git lfs pull`, or `git annex get`; in CI, let the checkout fetch it (`lfs: true`)"
+        raise TrackmarshalError("D121", message, file=shown, help=help_)
     if data.startswith((b"PK\x03\x04", b"PK\x05\x06")) or suffix == ".saa":
         from trackmarshal.scenarios import saa
 

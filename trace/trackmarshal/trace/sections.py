@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Iterator
 from pathlib import Path
 
+from trackmarshal.files import POINTERS
 from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.shapes import put_off
 from trackmarshal.trace.values import Placed
@@ -23,8 +24,6 @@ _UNENDED = re.compile(r"^[ ]{0,3}<(?:!--(?!-?>)|(?:script|style|template)\b)", r
 _FENCE = re.compile(r"[ ]{0,3}(```+|~~~+)")
 #: Letters and symbols by their category, which look like blanks.
 _BLANK = "\u115f\u1160\u2800\u3164\uffa0"
-#: How pointers of Git LFS and git-annex begin.
-_POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
 #: What stands at the head of Markdown documents for programs.
 _FRONT = re.compile(r"\A---\n.*?\n---(\n|\Z)", re.DOTALL)
 #: What a link leads to, in a line of its own.
@@ -36,7 +35,7 @@ LARGEST = 16_000_000
 def silent(document: bytes, markdown: bool = False) -> bool:
     """Whether a document says nothing: it has no letter or digit that anybody sees, or it is what Git LFS or git-annex puts in the place of contents that were not
     fetched. Comments of HTML nobody sees. One in Markdown says nothing below its headings, either. What is no text in UTF-8 says something."""
-    if document.startswith(_POINTERS):
+    if document.startswith(POINTERS):
         return True
     try:
         text = _seen(document.decode("utf-8-sig")) if len(document) <= LARGEST else None
