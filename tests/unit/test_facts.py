@@ -12,6 +12,7 @@ from support.project import run_command
 from trackmarshal.cli import facts
 from trackmarshal.cli.recordings import recorded
 from trackmarshal.library import LIBRARY
+from trackmarshal.semantics.modules import Library
 
 
 @pytest.mark.parametrize("meanwhile", [None, "written", "gone", "another"])
@@ -104,6 +105,27 @@ def test_what_links_lead_to_is_read_again_when_it_is_another(
         (shared / "a.spec").write_text("weaker")
     asked()
     assert made == ["shared", "other" if how.endswith("elsewhere now") else "weaker"]
+
+
+def test_a_module_that_takes_the_place_of_a_shipped_one_is_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where nothing else was read of its folder, which is none that the project names: the gate went on with the library's vehicle."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    root = tmp_path / "project"
+    (root / "specs" / "vehicles").mkdir(parents=True)
+    (root / "specs" / "vehicles" / "README.md").write_text("Vehicles are on their way.\n")
+    (root / "specs" / "a.spec").write_text("module a\nuse vehicles.devbot\n")
+
+    def make() -> facts.Facts:
+        library = Library(root)
+        library.load([root / "specs" / "a.spec"])
+        own = library.modules["vehicles.devbot"].path.is_relative_to(root)
+        return facts.Facts([], [], [], {"own": {"is": str(own)}}, [], [])
+
+    assert facts.facts(root, ["specs/a.spec"], [], make).run_inputs["own"]["is"] == "False"
+    (root / "specs" / "vehicles" / "devbot.spec").write_text("module vehicles.devbot\n")
+    assert facts.facts(root, ["specs/a.spec"], [], make).run_inputs["own"]["is"] == "True"
 
 
 def test_what_is_written_meanwhile_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import unicodedata
 from collections.abc import Iterable
 from pathlib import Path
@@ -343,6 +344,8 @@ def found_module(name: str, root: Path) -> Path:
     own = module_path(name, root)
     if own.is_file():
         return own
+    # As if it had been opened: what is kept of specs has to hear of it when it is there one day, wherever that is.
+    sys.audit("open", os.fspath(own), "r", os.O_RDONLY)
     shipped = module_path(name, LIBRARY)
     return shipped if shipped.is_file() else own
 
