@@ -259,6 +259,19 @@ def test_a_revision_without_the_project(robot: Path) -> None:
     assert (status, "T363" in err) == (2, True)
 
 
+def test_a_project_that_was_moved_since(robot: Path) -> None:
+    """Of a revision that has not the folder, git says that the working directory is untracked, and the history is as complete as it can be."""
+    moved = robot.parent / "machines" / "robot"
+    moved.parent.mkdir()
+    git(robot.parent, "mv", "robot", "machines/robot")
+    git(robot.parent, "commit", "-qm", "moved")
+    status, _, err = command(moved, "trace", "--impact", "HEAD~1")
+    assert (status, "T363" in err, "the commit that moved it" in err) == (2, True, True)
+    assert command(moved, "trace", "--impact", "HEAD")[0] == 0
+    status, _, err = command(moved, "diff", "HEAD~1", ".", "--on", "requirements/v-model.yaml")
+    assert (status, "T362" in err, "git worktree add" in err) == (2, True, True)
+
+
 def test_without_git_or_history(robot: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     git(robot, "commit", "-q", "--allow-empty", "-m", "second")
     git(tmp_path, "clone", "-q", "--depth", "1", f"file://{robot.parent}", "shallow")

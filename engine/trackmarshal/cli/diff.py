@@ -98,7 +98,7 @@ class _Side:
             raise TrackmarshalError(
                 "T362",
                 f"`{name}` has no {MARKER.as_posix()}, which says what its spec is",
-                help="name the spec with `--spec`, by its path from the project",
+                help="name the spec with `--spec`, by its path from the project; where that was another folder, check it out with `git worktree add`, and name the folder there",
             )
         self._spec = self._project / args.spec if args.spec else default_spec(self._project)
         if not self._spec.exists():

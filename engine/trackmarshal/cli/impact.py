@@ -87,7 +87,7 @@ def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
         raise TrackmarshalError(
             "T363",
             f"`{name}` has no {MARKER.as_posix()}, so there is no project to compare with",
-            help="name a revision in which this folder is a project",
+            help="name a revision in which this folder is a project; where it was another folder, that is the commit that moved it, or a later one",
         )
     project = requirements.load(folder, [])
     named = [

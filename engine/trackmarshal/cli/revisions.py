@@ -60,8 +60,11 @@ def last_change(path: str, project: Path) -> str:
 def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
     commit = commit_of(name, project)
-    _read(commit, called or name, project, into, (), _of_specs)
     specs = [path for path in _files(commit, called or name, project) if path.endswith(_SUFFIXES)]
+    if (
+        specs
+    ):  # else the folder may not be there, which git takes for an error: what is lacking says whoever asked
+        _read(commit, called or name, project, into, (), _of_specs)
     _left_out(commit, called or name, project, into, specs, _MOST)
     return into
 
