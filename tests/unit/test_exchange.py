@@ -409,6 +409,43 @@ def test_links_that_lead_nowhere_and_ids_that_are_there(
         assert Path(f"requirements/{id_}.yaml").exists() == (not said)
 
 
+def test_lists_that_come_back_by_their_titles(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As StrictDoc names them: each list is one error, which says what to do, and doing that is enough."""
+    root = project(tmp_path)
+    monkeypatch.chdir(root)
+    documents = [exchange.Document(str(one.table.text("title")), one.table) for one in shipped()]
+    Path("back.csv").write_bytes(exchange.export(documents, "csv", "P", NOW))
+    before = {path.name: path.read_text("utf-8") for path in Path("requirements").iterdir()}
+    assert main(["import", "requirements", "back.csv", "--force"]) == 2
+    err = capsys.readouterr().err
+    assert err.count("error[T355]") == len(documents)
+    assert "the id `RR-1` is there twice, and so are 3 more of `requirements/race-rules.yaml`" in err
+    assert "rename it to what the list is called now" in err
+    assert {path.name: path.read_text("utf-8") for path in Path("requirements").iterdir()} == before
+    for one in shipped():
+        now = re.sub(r"\W+", "-", str(one.table.text("title")))
+        Path("requirements", f"{one.name}.yaml").rename(f"requirements/{now}.yaml")
+    assert main(["import", "requirements", "back.csv", "--force"]) == 0
+    assert "T365" not in capsys.readouterr().err
+
+
+def test_an_id_that_is_in_the_file_twice_and_in_the_project_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(project(tmp_path))
+    row = "RR-1,A,It shall.,B,S-1-A-6,draft,QM,test,C\n"
+    Path("in.csv").write_text(
+        "id,title,statement,rationale,refines,status,asil,verification,source\n" + row * 2
+    )
+    assert main(["import", "requirements", "in.csv"]) == 2
+    assert sorted(re.findall(r"in.csv:(\d+): error\[T355\].*twice(.*)", capsys.readouterr().err)) == [
+        ("2", ""),
+        ("3", ""),
+    ]
+
+
 def test_what_is_too_large_is_not_read(tmp_path: Path) -> None:
     file = tmp_path / "big.csv"
     with file.open("wb") as stream:
