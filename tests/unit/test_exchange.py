@@ -135,6 +135,26 @@ def test_a_table_of_somebody_else() -> None:
     assert rows[1][rows[0].index("Owner")] == "'=Ada"
 
 
+@pytest.mark.parametrize("removed", [True, False])
+def test_needs_that_leave_out_what_is_the_default(removed: bool) -> None:
+    """As `needs_json_remove_defaults` writes them: where a project has it that needs are of ASIL D, one that says nothing is of no other one."""
+    fields: dict[str, object] = {
+        "asil": {"default": "D"}, "tags": {"default": []}, "completion": {"default": None}, "vmax": {"default": 5, "type": "integer"}, "doctype": {"default": ".rst"},
+        "status": {"type": "string"},
+    }  # fmt: skip
+    needs = {
+        "AB-1": {"id": "AB-1", "title": "Braking", "content": "It shall brake."},
+        "AB-2": {"id": "AB-2", "title": "Stopping", "content": "It shall stop.", "asil": "B", "vmax": 7},
+    }
+    version = {"needs": needs, "needs_schema": {"properties": fields}, "needs_defaults_removed": removed}
+    naming = Naming({}, {**NAMING.defaults, "status": "draft", "asil": "QM"})
+    documents, found = read(json.dumps({"current_version": "1", "versions": {"1": version}}), "needs", naming)
+    assert found == []
+    one, other = documents[0].requirements
+    assert (one["asil"], one.get("foreign")) == (("D", {"vmax": "json:5"}) if removed else ("QM", None))
+    assert (other["asil"], other["foreign"]) == ("B", {"vmax": "json:7"})
+
+
 def test_needs_of_somebody_else() -> None:
     need = {
         "id": "AB-1", "title": "Braking", "content": "It shall brake.", "status": "open", "type": "spec", "links": ["AB-2"], "links_back": ["X"],

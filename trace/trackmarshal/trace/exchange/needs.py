@@ -70,6 +70,7 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
         for name, one in titles.items()
     }
     dropped: dict[str, str] = {}
+    left_out = _left_out(version)
     for key, need in version["needs"].items():
         line = lines.get(key, 0)
         if not isinstance(need, dict):
@@ -92,11 +93,30 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
         draft = drafts.setdefault(
             name, Draft(name, str(sections[0] if isinstance(sections, list) else sections))
         )
-        draft.items.append(Item(_attributes(key, need), line))
+        draft.items.append(
+            Item(_attributes(key, {**need, **{n: v for n, v in left_out.items() if n not in need}}), line)
+        )
     for name, key in sorted(dropped.items()):
         message = f"`{name}` of needs is not taken over, first of `{key}`: sphinx-needs works it out, or shows the need with it"
         found.append(warning("T357", message, Place(shown, lines.get(key, 0))))
     return list(drafts.values())
+
+
+def _left_out(version: dict[str, Any]) -> dict[str, Any]:
+    """What needs say that say nothing of it: sphinx-needs leaves out what is a field's default, and says in the schema which that is."""
+    schema = version.get("needs_schema")
+    fields = (
+        schema.get("properties")
+        if isinstance(schema, dict) and version.get("needs_defaults_removed")
+        else None
+    )
+    if not isinstance(fields, dict):
+        return {}
+    return {
+        name: field["default"]
+        for name, field in fields.items()
+        if isinstance(field, dict) and "default" in field and not _is_internal(name)
+    }
 
 
 def _attributes(key: str, need: dict[str, Any]) -> dict[str, Value]:
