@@ -246,6 +246,17 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
     assert exchange.check(documents) == []
 
 
+def test_a_default_is_named_by_its_word() -> None:
+    """And not by its identifier, of which nobody knows what it says."""
+    value = "<ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>"
+    type_ = "<TYPE><DATATYPE-DEFINITION-ENUMERATION-REF>de</DATATYPE-DEFINITION-ENUMERATION-REF></TYPE>"
+    text = REQIF.replace(type_, f"{type_}<DEFAULT-VALUE>{value}</DEFAULT-VALUE>")
+    assert any(
+        "the default `approved` of the attribute `status` is not" in one
+        for one in read(text, "reqif", DOOR)[1]
+    )
+
+
 def test_groups_of_relations_are_named() -> None:
     group = """<SPEC-RELATION-GROUPS><RELATION-GROUP IDENTIFIER="g" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="All">
       <SOURCE-SPECIFICATION><SPECIFICATION-REF>s</SPECIFICATION-REF></SOURCE-SPECIFICATION><SPEC-RELATIONS><SPEC-RELATION-REF>x1</SPEC-RELATION-REF></SPEC-RELATIONS>

@@ -194,6 +194,9 @@ class _Reading:
             raise Refused("T354", "no ReqIF: it has no content", shown, 1, "export it again")
         self._content: Any = content
         self._title = bundle.req_if_header.title if bundle.req_if_header else None
+        self._words = {
+            word.identifier: word.long_name or word.key for kind in content.data_types or () for word in getattr(kind, "values", None) or ()
+        }  # fmt: skip
         self._names: dict[str, str] = {}
         for kind in content.spec_types or ():
             for definition in [
@@ -203,12 +206,9 @@ class _Reading:
                 self._names[definition.identifier] = definition.long_name or definition.identifier
                 if isinstance(definition.default_value, str):
                     self._dropped(
-                        f"the default `{definition.default_value}` of the attribute `{definition.long_name}`",
+                        f"the default `{self._words.get(definition.default_value) or definition.default_value}` of the attribute `{definition.long_name}`",
                         definition.xml_node,
                     )
-        self._words = {
-            word.identifier: word.long_name or word.key for kind in content.data_types or () for word in getattr(kind, "values", None) or ()
-        }  # fmt: skip
         self._objects: dict[Any, Any] = {}
         for one in content.spec_objects or ():
             if one.identifier in self._objects:
