@@ -246,6 +246,22 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
     assert exchange.check(documents) == []
 
 
+def test_a_default_beside_a_column_of_nearly_its_name_is_named() -> None:
+    """What is of ASIL D in a column `ASIL` was QM by `--default asil=QM`, and nothing said so."""
+    text = "Key,Name,Text,ASIL,Derived From\nAB-1,A,It shall stop.,,AV\nAB-2,B,It shall wait.,D,AV\nAB-3,C,It shall go.,B,AV\n"
+    naming = Naming(NAMING.fields, {**NAMING.defaults, "asil": "QM", "derived_from": "AV"})
+    documents, found = read(text, "csv", naming)
+    assert [re.sub(r"^file.csv:", "", one).split("\n")[0] for one in found] == [
+        "2: warning[T357]: `Derived From` is not taken for `derived_from`, which is `AV` by `--default`",
+        "3: warning[T357]: `ASIL` is not taken for `asil`, which is `QM` by `--default`",
+    ]
+    assert "`--field asil=ASIL`" in found[1]
+    assert documents[0].requirements[1]["foreign"]["ASIL"] == "D"
+    renamed = Naming({**NAMING.fields, "asil": "ASIL", "derived_from": "Derived From"}, naming.defaults)
+    documents, found = read(text, "csv", renamed)
+    assert (found, [one["asil"] for one in documents[0].requirements]) == ([], ["QM", "D", "B"])
+
+
 def test_a_default_is_named_by_its_word() -> None:
     """And not by its identifier, of which nobody knows what it says."""
     value = "<ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>"

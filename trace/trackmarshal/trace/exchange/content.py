@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
@@ -99,6 +99,7 @@ def taken(drafts: Iterable[Draft], naming: Naming, shown: str, found: list[Findi
     """Drafts as documents of a project; what does not fit goes to `found` (T120 to T128), with file and line."""
     drafts = list(drafts)
     lacking = _said_nowhere(drafts, naming, shown, found)
+    found += _by_default(drafts, naming, shown)
     misfits: list[Finding] = []
     reader = Reader(shown, misfits)
     made = []
@@ -134,6 +135,22 @@ def _said_nowhere(
     help_ = f"say what it is called there{named}, or what it is for all of them: `--field {lacking[0]}=NAME`, `--default {lacking[-1]}=TEXT`"
     found.append(error("T120", message, Place(shown, items[0].line), help_))
     return lacking
+
+
+def _by_default(drafts: Iterable[Draft], naming: Naming, shown: str) -> Iterator[Finding]:
+    """T357 where a field is what `--default` says, and the file says something by a name that is the field's but for capitals and blanks, where
+    `--field` says no other one."""
+    told: set[str] = set()
+    for item in [item for draft in drafts for item in draft.items]:
+        theirs = [name for name, value in item.attributes.items() if _says(value)]
+        left = naming.defaults.keys() - naming.fields.keys() - {_ours(name, naming) for name in theirs}
+        for name in theirs:
+            field = "_".join(name.lower().split())
+            if field in left and name not in told:
+                told.add(name)
+                message = f"`{name[:40]}` is not taken for `{field}`, which is `{naming.defaults[field][:40]}` by `--default`"
+                help_ = f"is it the same? `--field {field}={name[:40]}`"
+                yield warning("T357", message, Place(shown, item.line), help_)
 
 
 def _ours(name: str, naming: Naming) -> str | None:
