@@ -8,6 +8,7 @@ import json
 import os
 import re
 import shutil
+import zipfile
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -500,6 +501,20 @@ def test_what_is_too_large_is_not_read(tmp_path: Path) -> None:
     with pytest.raises(Refused) as refused:
         exchange.load(file, "big.csv")
     assert refused.value.code == "T351"
+
+
+@pytest.mark.parametrize("more", [[], ["--format", "reqif"], ["--format", "csv"]])
+def test_an_archive_is_called_one(
+    more: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Most tools write `.reqifz`: it was to be named by `--format`, and then to be saved as UTF-8."""
+    monkeypatch.chdir(tmp_path)
+    with zipfile.ZipFile("doors.reqifz", "w") as archive:
+        archive.writestr("doors.reqif", REQIF)
+    assert main(["import", "requirements", "doors.reqifz", *more]) == 2
+    err = capsys.readouterr().err
+    assert "error[T350]: a ZIP archive" in err
+    assert "import the `.reqif` in it" in err
 
 
 def test_a_cell_has_an_end() -> None:

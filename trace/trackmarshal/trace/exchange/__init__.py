@@ -50,13 +50,21 @@ def read(data: bytes, format: str, shown: str, naming: Naming, found: list[Findi
 
 
 def load(path: Path, shown: str) -> bytes:
-    """The bytes of a file that is small enough; raises T351, OSError."""
+    """The bytes of a file that is small enough; raises T350 for an archive, T351, OSError."""
     size = path.stat().st_size
     if size > MAX_BYTES:
         raise Refused(
             "T351", f"{size} bytes, the limit is {MAX_BYTES}", shown, help="export fewer requirements at once"
         )
-    return read_regular(path)
+    data = read_regular(path)
+    if data.startswith(b"PK\x03\x04"):
+        raise Refused(
+            "T350",
+            "a ZIP archive, as `.reqifz` and the files of spreadsheets are",
+            shown,
+            help="unpack a `.reqifz`, and import the `.reqif` in it; save a table as `CSV UTF-8`",
+        )
+    return data
 
 
 def format_of(path: Path) -> str:
