@@ -247,6 +247,22 @@ def test_reqif_of_somebody_else(encoding: str) -> None:
     assert exchange.check(documents) == []
 
 
+def test_an_attribute_that_is_there_twice() -> None:
+    """Names of attributes are unique in no ReqIF: of two, the last one was taken without a word, and what is of ASIL D could be QM."""
+    defined = re.findall(r"<ATTRIBUTE-DEFINITION-STRING .*</ATTRIBUTE-DEFINITION-STRING>", REQIF)[0]
+    given = re.findall(r"<ATTRIBUTE-VALUE-STRING .*</ATTRIBUTE-VALUE-STRING>", REQIF)[0]
+    text = REQIF
+    for key, word in (("a1", "D"), ("a2", "QM")):
+        of_asil = defined.replace('"ai"', f'"{key}"').replace("ReqIF.ForeignID", "asil")
+        value = given.replace(">ai<", f">{key}<").replace("AB-1", word)
+        text = text.replace(defined, defined + of_asil).replace(given, given + value)
+    with pytest.raises(Refused) as refused:
+        read(text, "reqif", DOOR)
+    assert "`asil` is there twice" in str(refused.value)
+    documents, _ = read(text.replace('"QM"', '"D"'), "reqif", DOOR)
+    assert documents[0].requirements[1]["asil"] == "D"
+
+
 def test_a_default_beside_a_column_of_nearly_its_name_is_named() -> None:
     """What is of ASIL D in a column `ASIL` was QM by `--default asil=QM`, and nothing said so."""
     text = "Key,Name,Text,ASIL,Derived From\nAB-1,A,It shall stop.,,AV\nAB-2,B,It shall wait.,D,AV\nAB-3,C,It shall go.,B,AV\n"

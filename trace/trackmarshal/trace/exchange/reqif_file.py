@@ -222,7 +222,7 @@ class _Reading:
             self._objects[one.identifier] = one
         if content.spec_relation_groups:
             self._dropped("what groups relations", None)
-        self._held = {key: dict(self._values(one.attributes)) for key, one in self._objects.items()}
+        self._held = {key: self._values(one.attributes) for key, one in self._objects.items()}
         for key, one in self._objects.items():
             self._named(key, one)
         self._relate()
@@ -230,7 +230,7 @@ class _Reading:
     def drafts(self) -> Iterator[Draft]:
         seen: set[str] = set()
         for number, one in enumerate(self._content.specifications or ()):
-            head = dict(self._values(one.values or ()))
+            head = self._values(one.values or ())
             title = one.long_name or self._title or "Requirements"
             draft = Draft(
                 str(head.pop("document", "") or one.long_name or f"list-{number + 1}"),
@@ -291,7 +291,20 @@ class _Reading:
             held.setdefault("ReqIF.Description" if "statement" in held else "statement", one.description)
         self._held[key] = held
 
-    def _values(self, held: Sequence[SpecObjectAttribute]) -> Iterator[tuple[str, Value]]:
+    def _values(self, held: Sequence[SpecObjectAttribute]) -> dict[str, Value]:
+        said: dict[str, Value] = {}
+        for one, (name, value) in zip(held, self._named_values(held)):
+            if said.setdefault(name, value) != value:
+                raise Refused(
+                    "T355",
+                    f"`{name}` is there twice, as `{said[name]}` and as `{value}`",
+                    self._shown,
+                    _line(one),
+                    "give one of the two attributes another name, or export one of them",
+                )
+        return said
+
+    def _named_values(self, held: Sequence[SpecObjectAttribute]) -> Iterator[tuple[str, Value]]:
         for one in held:
             name = self._names.get(one.definition_ref)
             if name is None:
