@@ -59,6 +59,17 @@ def test_the_day_of_the_commit_is_the_gate_s(robot: Path) -> None:
     assert "T231" not in command(robot, "trace", "--gate", "--day", "2020-12-31")[1]
 
 
+def test_the_pages_of_an_assessment_have_the_day_of_the_commit(robot: Path) -> None:
+    """Who builds a release of then again has its evidence as it was, and not with waivers that expired since."""
+    matrix = robot / "out" / "assess" / "matrix.json"
+    command(robot, "assess")
+    assert "T231" in matrix.read_text("utf-8")
+    command(robot, "assess", "--day", "commit")
+    assert "T231" not in matrix.read_text("utf-8")
+    status, _, err = command(robot, "assess", "--day", "2020-02-30")
+    assert (status, "T348" in err) == (2, True)
+
+
 def test_a_commit_is_not_made_before_those_that_it_comes_after(robot: Path) -> None:
     """Dated back, it would have a waiver hold that has expired."""
     git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2021-01-01T00:30:00 +0200")

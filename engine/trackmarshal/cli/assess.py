@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal import __version__
-from trackmarshal.cli import against
+from trackmarshal.cli import against, days
 from trackmarshal.cli.beside import page_beside
 from trackmarshal.cli.drawn import Drawn
 from trackmarshal.cli.output import coloured, count, say, told
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="DIR", help="default: out/assess in the project")
+    days.configure(parser)
     against.configure(parser)
 
 
@@ -44,6 +45,7 @@ def _assessed(args: argparse.Namespace) -> int:
     from trackmarshal.trace.report import page_addresses, write_report
 
     root = find_project(args)
+    today = days.day(args.day, root)
     target = Path(args.out) if args.out else root / "out" / "assess"
     made = assess(root, run=True, replays=True, quiet=args.quiet)
     found: list[Diagnostic] = []
@@ -55,7 +57,7 @@ def _assessed(args: argparse.Namespace) -> int:
             keep(root, made.facts.state, made.results, shown)
     state = made.facts.state
     drawn = Drawn(root, key(state, made.results) if state and not found else "")
-    matrix = made.matrix()
+    matrix = made.matrix(today)
     target.mkdir(parents=True, exist_ok=True)
     texts = {format_: trace.render(matrix, format_) for format_ in ("json", "csv", "md")}
     for format_, text in texts.items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import subprocess
 from datetime import date, timedelta
 from pathlib import Path
@@ -20,6 +21,14 @@ CODES = {
 COMMIT = "commit"
 #: So many commits before the one that is checked out are asked for their days, too.
 _BEFORE = 2_000
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--day",
+        metavar="DAY",
+        help="the day that waivers are held against, YYYY-MM-DD, or `commit`: that of the commit (default: today)",
+    )
 
 
 def day(said: str | None, root: Path) -> date:
@@ -57,4 +66,4 @@ def _of_commit(root: Path) -> str:
     return max(one for one in days if one <= latest)
 
 
-__all__ = ["CODES", "COMMIT", "day"]
+__all__ = ["CODES", "COMMIT", "configure", "day"]

@@ -13,9 +13,8 @@ from __future__ import annotations
 import argparse
 import sys
 
-from trackmarshal.cli import against, asking, impact
+from trackmarshal.cli import against, asking, days, impact
 from trackmarshal.cli.beside import page_beside
-from trackmarshal.cli.days import day
 from trackmarshal.cli.output import say, told
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
@@ -44,11 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--reason", metavar="TEXT", default="", help="with --accept-baseline: why that is accepted"
     )
     parser.add_argument("--verbose", action="store_true", help="list what follows from each finding, too")
-    parser.add_argument(
-        "--day",
-        metavar="DAY",
-        help="the day that waivers are held against, YYYY-MM-DD, or `commit`: that of the commit (default: today)",
-    )
+    days.configure(parser)
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--as-is", action="store_true", help="run nothing; read the evidence that is there")
     how.add_argument(
@@ -89,7 +84,7 @@ def _run(args: argparse.Namespace) -> int:
             "T364", f"`--against` shows nothing as {args.format}", help="add `--format html`"
         )
     where = shown_from(args, root)
-    today = day(args.day, root)
+    today = days.day(args.day, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
     if args.accept_baseline:
         said = found.facts
