@@ -121,6 +121,10 @@ class Way:
         t = np.minimum(t, self.lasts)
         return np.minimum(self.v * t + self.gain * t**2 / 2, self._way)
 
+    def way(self, t: float) -> float:
+        """How far it has led, m."""
+        return float(self._driven(t))
+
     def pose(self, t: Any) -> tuple[Any, Any, Any]:
         s = self._driven(t)
         x, y, heading = (np.interp(s, self._s, each) for each in (self._x, self._y, self._heading))
