@@ -123,9 +123,10 @@ static void fresh(tm_cycle *c) {
   }
   track.left.points = left;
   track.right.points = right;
-  track.left.count = 2u + below(BORDER - 1u);
-  track.right.count = 2u + below(BORDER - 1u);
-  track.left.id = track.right.id = 0u;
+  if (track.left.count < 2u || track.left.count > BORDER || below(2u) == 0u) { track.left.count = 2u + below(BORDER - 1u); }
+  if (track.right.count < 2u || track.right.count > BORDER || below(2u) == 0u) { track.right.count = 2u + below(BORDER - 1u); }
+  track.left.id = track.left.count; /* of as many points as last, it counts as the line that passed last */
+  track.right.id = track.right.count;
   track.closed = false;
   c->came = c->numbered = c->stamped = true;
   c->number = numbered ? (last_number + 1) : 0;
@@ -165,7 +166,7 @@ static void spoil(tm_cycle *c) {
         case 0: track.left.points = NULL; break;
         case 1: track.right.count = below(3u); break;
         case 2: track.left.count = BORDER + below(2u); break;
-        case 3: left[below(2u * BORDER)] = wild(); break;
+        case 3: left[below(2u * BORDER)] = wild(); track.left.id = 0u; break;
         default: track.closed = true; break;
       }
       break;

@@ -170,7 +170,7 @@ def _line(
     yield "  const double n = (double)line->count;"
     for index in points:
         yield f"  size_t first{index} = TM_NOWHERE;"
-    yield "  if ((line->id != 0u) && (line->id == passed->id) && (line->count == passed->count)) {"
+    yield "  if ((line->points != NULL) && (line->id != 0u) && (line->id == passed->id) && (line->count == passed->count)) {"
     yield "    /* it passed last time */"
     for index, kind in enumerate(kinds):
         if kind.of == "count":
