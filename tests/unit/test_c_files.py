@@ -359,6 +359,18 @@ def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> No
     assert "compile this file with" in said.stderr
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("method", [0, 1, 16, 32])
+def test_shorter_numbers_of_a_processor_are_no_more_digits(method: int, tmp_path: Path) -> None:
+    """GNU C says 16 for a Cortex-M55, a Cortex-A78AE and a Xeon with half precision, where a double is a double."""
+    made = source()
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    command = ["gcc", "-std=gnu99", "-E", f"-D__FLT_EVAL_METHOD__={method}", f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (said.returncode, "#error" in said.stderr) == (0, False), said.stderr
+
+
 @pytest.mark.parametrize("name", ["gcc", "clang"])
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="looks for instructions of an x86")
 def test_nothing_is_fused_in_a_build_of_ones_own(name: str, tmp_path: Path) -> None:
