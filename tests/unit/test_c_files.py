@@ -87,6 +87,56 @@ def runs_from_cycles(program: Path, written: Path) -> None:
     assert again.stdout == ran.stdout
 
 
+HOST = """
+#include <cstdio>
+#include "supervisor.h"
+#include "cycles.h"
+#include "client.h"
+#include "desk.h"
+#include "executing.h"
+
+static tm_context context;
+static tm_decision decision;
+static tm_configuration configuration;
+
+static double clock_of(void *user) { return *static_cast<double *>(user); }
+
+int main(int, char **argv) {
+  tm_cycle cycle;
+  double finished = 0.0;
+  if (tm_init(&context) != TM_OK) { return 1; }
+  tm_defaults(&configuration);
+  cycles_open(argv[1], &configuration);
+  if (tm_configure(&context, &configuration).status != TM_OK) { return 1; }
+  while (cycles_next(&cycle, &finished)) {
+    tm_step(&context, &cycle, clock_of, &finished, &decision);
+    std::printf("%d\\n", decision.safe ? 1 : 0);
+  }
+  return (tml_length(0u) == 0u) ? 0 : 1;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("g++") is None, reason="no gcc or g++")
+def test_a_host_in_cpp(tmp_path: Path) -> None:
+    """Headers are for both languages; what is generated stays C."""
+    folder = emit(tmp_path / "out", "--process", recordings=[SCENARIOS[0]])
+    (folder / "host.cpp").write_text(HOST, encoding="utf-8")
+    units = ["supervisor", "cycles", "messages"]
+    for command in (
+        ["gcc", "-std=c99", "-ffp-contract=off", "-c", *(f"{name}.c" for name in units)],
+        ["g++", "-std=c++11", *STRICT[1:], "-c", "host.cpp"],
+        ["g++", "host.o", *(f"{name}.o" for name in units), "-o", "host", "-lm"],
+    ):
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+    ran = subprocess.run(
+        [str(folder / "host"), CYCLES], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert set(ran.stdout.split()) == {"0", "1"}
+
+
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_rules_alone_come_with_constant_data(tmp_path: Path, compiler: str) -> None:
     """What cannot be supervised with gets an example of one input."""

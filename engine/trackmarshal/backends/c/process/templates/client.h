@@ -4,6 +4,10 @@
 
 #include "mailbox.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
   tml_region cycles;     /* of shared memory */
   tml_region decisions;
@@ -40,4 +44,7 @@ bool tml_client_answer(tml_client *client, uint64_t sequence, double seconds, tm
 bool tml_client_hear(tml_client *client, tml_message *into, size_t *size);
 void tml_client_close(tml_client *client);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -4,6 +4,10 @@
 
 #include "messages.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Everything that is kept. One desk serves one thread. */
 typedef struct {
   tm_context context;
@@ -45,4 +49,7 @@ bool tml_desk_overdue(tml_desk *desk);
 /* Make a sign of life in `desk->out`. */
 void tml_desk_beat(tml_desk *desk);
 
+#ifdef __cplusplus
+}
+#endif
 #endif
