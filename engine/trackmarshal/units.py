@@ -170,6 +170,11 @@ def beside(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
     return f"{text} ({written(value, unit, '', digits)})"
 
 
+def moment(t: float) -> str:
+    """The stamp of a cycle [s] as people read it: six digits, and milliseconds too of a clock that counts from far away, as that of Unix."""
+    return f"{t:.6g}" if abs(t) < 1e5 else f"{t:.13g}"
+
+
 def show(dimension: Dimension) -> str:
     """The SI unit of a dimension, as a rule author would write it."""
     if dimension in _NAMED:

@@ -210,3 +210,19 @@ def test_explain_takes_the_command_lines_values_as_replay_does() -> None:
     arguments = ("explain", recording, "--rule", "friction", "--at", "11.2", "--candidate", "emergency")
     assert "mu = 1.32517839" in command(REPOSITORY, *arguments)[1]
     assert "mu = 0.9" in command(REPOSITORY, *arguments, *compact)[1]
+
+
+@pytest.mark.parametrize("begin", [12.3456789, 1790000000.1234567])
+def test_the_time_that_explain_proposes_is_one_that_it_takes(tmp_path: Path, begin: float) -> None:
+    """Clocks of cars begin anywhere, and do not tick in tenths."""
+    head, *cycles = FREE_LAP.read_text(encoding="utf-8").splitlines()
+    made = json.loads(head) | {"use": []}
+    shifted = [one | {"t": one["t"] + begin} for one in map(json.loads, cycles[:3])]
+    run = tmp_path / "run.tmrec.jsonl"
+    run.write_text("".join(json.dumps(line) + "\n" for line in [made, *shifted]), encoding="utf-8")
+    track = str(REPOSITORY / "specs" / "tracks" / "northfield.spec")
+    arguments = ("explain", str(run), "--rule", "friction", "--with", track, "--at")
+    proposed = command(REPOSITORY, *arguments, f"{begin + 0.06}")[2].partition("the nearest is at ")[2]
+    status, _, err = command(REPOSITORY, *arguments, proposed.split(" s")[0])
+    assert status == 0, err
+    assert float(proposed.split(" s")[0]) == pytest.approx(begin + 0.1, abs=1e-6)

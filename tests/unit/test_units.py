@@ -24,6 +24,7 @@ from trackmarshal.units import (
     about,
     from_si,
     in_full,
+    moment,
     name,
     over,
     parse_shown,
@@ -194,6 +195,17 @@ def test_numbers_that_differ_are_written_differently(number: float, unit: str, t
 )  # fmt: skip
 def test_sentences_have_six_digits(full: str, said: str) -> None:
     assert about(full) == said
+
+
+@pytest.mark.parametrize(
+    ("t", "said"),
+    [
+        (0.0, "0"), (2.6, "2.6"), (3 * 0.1, "0.3"), (86399.9, "86399.9"), (172800.05, "172800.05"), (1790000005.0999999, "1790000005.1"),
+        (1790000005.1234567, "1790000005.123"), (-5e8 + 0.1, "-499999999.9"), (1e300, "1e+300"), (math.nan, "nan"),
+    ],
+)  # fmt: skip
+def test_stamps_of_a_clock_that_counts_from_far_away_are_told_apart(t: float, said: str) -> None:
+    assert moment(t) == said
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

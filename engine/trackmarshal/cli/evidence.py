@@ -228,6 +228,7 @@ def run_summary(
     from trackmarshal.scenarios.inputs import defaulted
     from trackmarshal.scenarios.labels import judged_by, label
     from trackmarshal.scenarios.overrides import overrides
+    from trackmarshal.units import moment
 
     inputs = run_inputs(evaluator, source_hash, named)
     facts, candidates = [], outcome.candidates
@@ -252,8 +253,8 @@ def run_summary(
         facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first, len(due)))
     truths = {}
     for judged in outcome.truths:
-        said = [f"rated safe at {t:g} s, the ground truth is unsafe" for t in judged.missed]
-        said += [f"rated unsafe at {t:g} s, the ground truth is safe" for t in judged.false_alarms]
+        said = [f"rated safe at {moment(t)} s, the ground truth is unsafe" for t in judged.missed]
+        said += [f"rated unsafe at {moment(t)} s, the ground truth is safe" for t in judged.false_alarms]
         truths[judged.kind] = TruthFacts(judged.inside, tuple(said), judged.rules)
     return RunSummary(
         shown,

@@ -70,6 +70,7 @@ def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.units import in_full, moment
 
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     settings = [Path(p) for p in args.settings]
@@ -79,7 +80,9 @@ def _verdict(args: argparse.Namespace) -> int:
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
-            "E442", f"no cycle at t = {args.at:g} s", help=f"the nearest is at {cycle.t:g} s"
+            "E442",
+            f"no cycle at t = {in_full(args.at, 's')}",
+            help=f"the nearest is at {in_full(cycle.t, 's')}",
         )
     candidates = [args.candidate] if args.candidate else list(cycle.candidates)
     for candidate in candidates:
@@ -92,7 +95,7 @@ def _verdict(args: argparse.Namespace) -> int:
     else:
         found = _alone(recording, evaluator, tables, place, candidates)
     for candidate, lines in found:
-        say(f"{recording.name}, t = {cycle.t:g} s, {candidate}", *lines)
+        say(f"{recording.name}, t = {moment(cycle.t)} s, {candidate}", *lines)
     return 0
 
 

@@ -13,6 +13,7 @@ from trackmarshal.cli.output import dump, number, progress, rule_json, say
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
 from trackmarshal.runtime.faults import Fault
+from trackmarshal.units import moment
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec
@@ -95,7 +96,7 @@ def _place(begin: str, run: Run, path: str) -> int:
             if _time(one) >= wanted:
                 return place
     times = [t for t in map(_time, run.cycles) if math.isfinite(t)]
-    said = f", from {min(times):g} s to {max(times):g} s" if times else ""
+    said = f", from {moment(min(times))} s to {moment(max(times))} s" if times else ""
     raise TrackmarshalError(
         "E436", f"the record has no cycle at `{begin}`", file=path, help=f"it has {len(run.cycles)} cycles, numbered from 0{said}"
     )  # fmt: skip
@@ -138,7 +139,7 @@ def _summary(
     lines.append(f"{len(places)} cycles were decided otherwise:")
     for difference in found[:SHOWN]:
         lines.append(
-            f"  cycle {difference.place} at {difference.t:g} s, {difference.column}: recorded {difference.recorded!r:.60}, "
+            f"  cycle {difference.place} at {moment(difference.t)} s, {difference.column}: recorded {difference.recorded!r:.60}, "
             f"now {difference.now!r:.60}"
         )
     return [*lines, *(["  ..."] if len(found) > SHOWN else [])]

@@ -22,7 +22,7 @@ from trackmarshal.cli.output import dump, number, plain, progress, rule_json, sa
 from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.verdict import decides
-from trackmarshal.units import beside
+from trackmarshal.units import beside, moment
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -409,7 +409,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
                     candidate,
                     verdicts,
                     spans,
-                    f"{beside(result.margin, result.unit, result.shown)}{decides(result)} at {worst.t:g} s",
+                    f"{beside(result.margin, result.unit, result.shown)}{decides(result)} at {moment(worst.t)} s",
                     satisfies,
                     where,
                 ]
@@ -469,4 +469,7 @@ def _spans(some: Sequence[float], times: Sequence[float]) -> str:
     """Those times of a run, what follows one another together: a false alarm in every cycle is one span."""
     from trackmarshal.scenarios.replay import intervals
 
-    return ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in intervals(some, times)) or "none"
+    return (
+        ", ".join(f"{moment(a)} to {moment(b)}" if a != b else moment(a) for a, b in intervals(some, times))
+        or "none"
+    )

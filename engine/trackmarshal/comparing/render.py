@@ -10,6 +10,7 @@ from typing import Any
 from trackmarshal.comparing.changes import EQUAL, GONE, NEW, Flip, Moment, RuleChange
 from trackmarshal.comparing.decisions import DecisionChange
 from trackmarshal.comparing.pairs import Comparison
+from trackmarshal.units import moment as clocked
 from trackmarshal.units import written
 
 #: Spans that are told one by one.
@@ -125,7 +126,7 @@ def _decision(one: DecisionChange) -> str:
 
 
 def _spans(spans: Sequence[tuple[float, float]]) -> str:
-    shown = ", ".join(f"{a:g} to {b:g}" if a != b else f"{a:g}" for a, b in spans[:_SPANS])
+    shown = ", ".join(f"{clocked(a)} to {clocked(b)}" if a != b else clocked(a) for a, b in spans[:_SPANS])
     return f"{shown} s" + (f" and {len(spans) - _SPANS} more times" if len(spans) > _SPANS else "")
 
 
@@ -136,7 +137,7 @@ def moved(rule: RuleChange) -> str:
         raise ValueError(f"{rule.name} has no margins that moved")
 
     def at(value: float, moment: Moment) -> str:
-        return f"{_signed(value, rule.unit)} ({moment.recording}, {moment.candidate}, {moment.t:g} s)"
+        return f"{_signed(value, rule.unit)} ({moment.recording}, {moment.candidate}, {clocked(moment.t)} s)"
 
     return f"by {at(m.least, m.least_at)} to {at(m.most, m.most_at)}, median {_signed(m.median, rule.unit)}, in {m.cycles} cycles"
 

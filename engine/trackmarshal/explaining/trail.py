@@ -23,6 +23,7 @@ from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.reads import reads
 from trackmarshal.runtime.kleene import TRUE, connect
 from trackmarshal.runtime.verdict import Truth, Witness
+from trackmarshal.units import moment
 
 if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
@@ -258,4 +259,4 @@ def shortened(text: str) -> str:
 
 def at(t: int) -> str:
     """A stamp [ns] as people read it."""
-    return f"{t / 1e9:g} s"
+    return f"{moment(t / 1e9)} s"

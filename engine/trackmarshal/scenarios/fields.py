@@ -11,6 +11,7 @@ from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios.recording import COLUMNS, Recording
+from trackmarshal.units import moment
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -133,7 +134,10 @@ def _declare(known: dict[str, set[str]], spec: Spec) -> None:
 def _signals(recording: Recording) -> Iterator[tuple[str, str]]:
     """Every signal besides the format's once: its name, and when for the first time."""
     seen: set[str] = set()
-    rows = [("", recording.always), *((f", at t = {cycle.t:g} s", cycle.more) for cycle in recording.cycles)]
+    rows = [
+        ("", recording.always),
+        *((f", at t = {moment(cycle.t)} s", cycle.more) for cycle in recording.cycles),
+    ]
     for at, signals in rows:
         for name in signals.keys() - seen:
             seen.add(name)
@@ -157,4 +161,4 @@ def _names(recording: Recording) -> Iterator[tuple[str, str, str]]:
             for name in record:
                 if (where, name) not in seen:
                     seen.add((where, name))
-                    yield where, name, f", at t = {cycle.t:g} s"
+                    yield where, name, f", at t = {moment(cycle.t)} s"

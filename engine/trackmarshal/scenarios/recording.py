@@ -11,6 +11,7 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.units import moment
 
 #: A trajectory: equally long lists, by name.
 Columns = dict[str, list[float]]
@@ -86,7 +87,7 @@ class Recording:
         plan = cycle.candidates.get(candidate)
         if plan is None:
             there = " and ".join(cycle.candidates)
-            message = f"no candidate `{candidate}` at t = {cycle.t:g} s"
+            message = f"no candidate `{candidate}` at t = {moment(cycle.t)} s"
             raise TrackmarshalError("D144", message, file=self.source, help=f"there: {there}")
         return {
             "plan": plan,

@@ -21,6 +21,7 @@ from trackmarshal.scenarios.codes import Faults
 from trackmarshal.scenarios.inputs import filled
 from trackmarshal.scenarios.recording import Cycle, Recording
 from trackmarshal.scenarios.structure import Wrong
+from trackmarshal.units import moment
 
 FORMAT = "trackmarshal-recording"
 VERSION = 1
@@ -101,7 +102,7 @@ def decode(data: bytes, shown: str) -> Recording:
                 continue
             cycle, truth = structure.cycle(_object(text, number, shown))
             if cycles and cycle.t <= cycles[-1].t:
-                message = f"time {cycle.t:g} s does not come after {cycles[-1].t:g} s"
+                message = f"time {moment(cycle.t)} s does not come after {moment(cycles[-1].t)} s"
                 raise _error("D130", message, number, shown, "sort the cycles")
             if truths and truth.keys() != truths[0].keys():
                 raise _error("D141", "ground_truth differs from the first cycle's", number, shown, _SCHEMA)

@@ -28,6 +28,7 @@ from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
+from trackmarshal.units import moment
 
 
 def cycles(recording: Recording, declared: frozenset[str] = frozenset()) -> Iterator[Cycle]:
@@ -235,7 +236,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             continue
         given = {line: _list(value) for line, value in cycle.signals.get("track", {}).items()}
         if track and given != track:
-            stopped = f"the track changes at {cycle.t:g} s; what follows is left out"
+            stopped = f"the track changes at {moment(cycle.t)} s; what follows is left out"
             break
         track = given
         kept.append(
