@@ -30,7 +30,7 @@ CODES = {
     "D231": ("the judge failed", "The evaluator of the rules raised an error. What it was asked about is unsafe."),
     "D232": ("a verdict is missing", "The evaluator did not return one known verdict for every rule and both candidates. The cycle is unsafe."),
     "D233": ("the verdict came too late", "From the arrival of the cycle to its verdict more time went by than `budget` allows. A late verdict is unsafe, whatever it says (S-1-B-2)."),
-    "D234": ("the clock is wrong", "The Supervisor's clock raised an error, was not a finite number, or went back. Nothing can be said in time; the cycle is unsafe."),
+    "D234": ("the clock is wrong", "The Supervisor's clock raised an error, was not a finite number, or went back. Nothing can be said in time; the cycle is unsafe, and where it was so when the cycle arrived, what was stored is lost. A clock that was set back, has wrapped, or once read far ahead is wrong until it comes up to its last reading: give the Supervisor one that does none of this (`time.monotonic()`, `CLOCK_MONOTONIC`), or begin a new run with a new Supervisor (in C, `tm_init`)."),
     "D235": ("the Supervisor failed", "Its own code raised an error. The cycle is unsafe, and nothing that was stored is relied on where that is where it failed."),
     "D236": ("not configured", "The parameters or limits that were put into a generated Supervisor were refused, or none were put in. It admits no cycle until they are valid."),
     "D237": ("no member of the enumeration", "A field of an enumeration has a member: by its name, or by its place in the declaration, a whole number from 0. Anything else is never taken for one of them: what depends on it is undefined where it is no name, and the case or cycle is not safe."),
