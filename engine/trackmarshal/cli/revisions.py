@@ -61,9 +61,7 @@ def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
     commit = commit_of(name, project)
     specs = [path for path in _files(commit, called or name, project) if path.endswith(_SUFFIXES)]
-    if (
-        specs
-    ):  # else the folder may not be there, which git takes for an error: what is lacking says whoever asked
+    if specs:  # else the folder may not be there, an error to git: what is lacking says whoever asked
         _read(commit, called or name, project, into, (), _of_specs)
     _left_out(commit, called or name, project, into, specs, _MOST)
     return into
