@@ -197,7 +197,11 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             if commit in named
         ),
     ]
-    versions = [versions[0], *(each for each in versions[1:] if each[1] and not _is_none(each[1]))]
+    there = [each for each in versions[1:] if each[1]]
+    versions = [versions[0], *(each for each in there if not _is_none(each[1]))]
+    if versions[1:] and there[-1] is not versions[-1]:
+        message = f"who accepted the baseline before commit {versions[-1][0][:12]} is not known: what git has of it from then is no baseline"
+        yield warning("T381", message, place, "whoever reads the history looks at what it was then")
     if not versions[1:]:
         yield warning(
             "T381", "who accepted the baseline is not known: it was never committed", place, "commit it"
