@@ -14,7 +14,7 @@ from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import BACKENDS, Evaluator, broken_constraints
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
-from trackmarshal.runtime.cycle import LIMITS_MODULE, Limits
+from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.record import Difference, Record, Run, differences
@@ -38,9 +38,14 @@ class Rulebox:
     def supervisor(
         self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic
     ) -> Supervisor:
-        """A Supervisor for one run, in Python, whatever judges."""
+        """A Supervisor for one run, in Python, whatever judges; raises E403 where limits break a constraint of the spec."""
         evaluator = self.evaluator
-        return Supervisor(evaluator.spec, evaluator.program, limits, clock, self.settings, self._contract)
+        settings = self._in_force(limits)
+        return Supervisor(evaluator.spec, evaluator.program, limits, clock, settings, self._contract)
+
+    def _in_force(self, limits: Limits | None) -> Settings:
+        spec = self.evaluator.spec
+        return with_limits(spec, Limits.of(spec) if limits is None else limits, self.settings)
 
     @cached_property
     def _contract(self) -> Contract:
@@ -49,12 +54,12 @@ class Rulebox:
     def running(
         self, limits: Limits | None = None, clock: Callable[[], float] = time.monotonic
     ) -> Supervisor | CSupervisor:
-        """The Supervisor that drives along: all of it generated C where C is asked for."""
+        """The Supervisor that drives along: all of it generated C where C is asked for; raises E403 as `supervisor`."""
         if self.evaluator.asked != "c":
             return self.supervisor(limits, clock)
         from trackmarshal.backends.c.supervisor import CSupervisor
 
-        return CSupervisor(self.evaluator.spec, self.evaluator.rules, limits, clock, self.settings)
+        return CSupervisor(self.evaluator.spec, self.evaluator.rules, limits, clock, self._in_force(limits))
 
 
 def rulebox(
@@ -71,13 +76,21 @@ def rulebox(
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
     """The limits that a spec declares, with some changed; raises E481 or E485, and E403 where they break a constraint of the spec."""
     held = Limits.of(spec, **changes)
-    declared = {f"{LIMITS_MODULE}.{name}": float(value) for name, value in changes.items()}
-    params = {name: value for name, value in declared.items() if name in spec.params}
-    if params:
-        broken = broken_constraints(spec, replace(settings, params={**settings.params, **params}))
-        if broken:
-            raise TrackmarshalError("E403", broken[0], help="change the limits, or the parameters with them")
+    with_limits(spec, held, settings)
     return held
+
+
+def with_limits(spec: Spec, limits: Limits, settings: Settings) -> Settings:
+    """Settings in which the parameters that declare limits are those limits; raises E403 where they break a constraint of the spec."""
+    values = {name: settings.params.get(name, info.value) for name, info in spec.params.items()}
+    others = {name: value for name, value in limits.declared(spec).items() if value != values[name]}
+    if not others:
+        return settings
+    found = replace(settings, params={**settings.params, **others})
+    broken = broken_constraints(spec, found)
+    if broken:
+        raise TrackmarshalError("E403", broken[0], help="change the limits, or the parameters with them")
+    return found
 
 
 def supervisor(

@@ -89,6 +89,7 @@ def runs_from_cycles(program: Path, written: Path) -> None:
 
 HOST = """
 #include <cstdio>
+#include <cstring>
 #include "supervisor.h"
 #include "cycles.h"
 #include "client.h"
@@ -106,6 +107,11 @@ int main(int, char **argv) {
   double finished = 0.0;
   if (tm_init(&context) != TM_OK) { return 1; }
   tm_defaults(&configuration);
+  configuration.limits.longest_gap = 0.3;  // and rules look no further than before
+  if (tm_configure(&context, &configuration).status != TM_BAD_LIMIT) { return 2; }
+  if (std::strcmp(tm_configure(&context, &configuration).which, "longest_gap") != 0) { return 3; }
+  configuration.params.supervisor_limits_longest_gap = 0.3;
+  if (tm_configure(&context, &configuration).status != TM_BAD_CONSTRAINT) { return 4; }
   cycles_open(argv[1], &configuration);
   if (tm_configure(&context, &configuration).status != TM_OK) { return 1; }
   while (cycles_next(&cycle, &finished)) {

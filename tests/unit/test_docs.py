@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import shutil
@@ -155,7 +156,7 @@ def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     first = next(cycles(recording))
     (tmp_path / "specs").symlink_to(ROOT / "specs")
     monkeypatch.chdir(tmp_path)
-    limits = Limits(oldest=600.0, budget=60.0)  # the machine that tests run on is no car
+    limits = Limits(oldest=math.inf, budget=60.0)  # the machine that tests run on is no car
     monkeypatch.setattr(Limits, "of", lambda spec: limits)
     scope = {"cycle": replace(first, t=time.monotonic())}
     exec(compile(program, "README.md", "exec"), scope)

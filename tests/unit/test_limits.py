@@ -13,7 +13,7 @@ import pytest
 
 import trackmarshal as tm
 from support.cycles import cycle, plan
-from support.supervised import ROOT, shipped
+from support.supervised import BACKENDS, ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.cli.options import limits_of
 from trackmarshal.ir.spec import Spec
@@ -92,6 +92,19 @@ def test_limits_that_are_given_are_held_to_the_constraints_of_those_that_are_dec
     with pytest.raises(tm.TrackmarshalError, match="does not hold"):
         limits_of(Namespace(limit=["longest_gap=0.3"]), spec)
     assert limits_of(Namespace(limit=["longest_gap=0.1"]), spec).longest_gap == 0.1
+
+
+@BACKENDS
+def test_so_are_limits_that_stand_for_all_of_them(backend: str) -> None:
+    """`tm.Limits(...)` was taken as it stands; what has no limit is no car's, and says so."""
+    spec, seen = shipped(), {"t_next": 0.4, "t_unseen": 0.4}
+    with pytest.raises(tm.TrackmarshalError, match="longest_gap <= t_next` does not hold") as caught:
+        tm.supervisor(spec, backend=backend, limits=tm.Limits(longest_gap=0.3))
+    assert caught.value.code == "E403"
+    for limits, params in (
+        (tm.Limits(longest_gap=0.3), seen), (tm.Limits(oldest=0.05, longest_gap=0.2), {}), (tm.Limits.open_loop(spec), {}),
+    ):  # fmt: skip
+        assert tm.supervisor(spec, backend=backend, limits=limits, params=params).limits == limits
 
 
 def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ Two things hold everywhere: what was decided before is never taken for fresh, an
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import signal
@@ -19,12 +20,14 @@ import pytest
 
 from support.cycles import cycle
 from support.processes import PATIENCE, Rig, Served, built
+from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import LinkError, Message
-from trackmarshal.process.serving import shared_path
+from trackmarshal.process.serving import build, shared_path
 from trackmarshal.process.shared_memory import SharedMemory
 from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.frame import Settings
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 BOTH = pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"], indirect=True)
@@ -503,13 +506,17 @@ def test_an_executing_layer_that_starts_hears_nothing_of_before(rig: Rig) -> Non
 # Real time ------------------------------------------------------------------------------------------------------------
 
 #: A busy machine is no fault here.
-SLOW = Limits(shortest_gap=0.0, oldest=1.0, longest_gap=60.0, budget=5.0)
+SLOW = Limits(shortest_gap=0.0, oldest=1.0, longest_gap=math.inf, budget=5.0)
+#: As far as its rules look then.
+LOOKS = Settings({"supervisor.trajectory.t_next": 1.2, "supervisor.collision.t_unseen": 1.2})
 
 
 @pytest.mark.verifies("S-1-B-4")
 def test_a_supervisor_that_hangs() -> None:
     """It is stopped and goes on later: the fallback is driven meanwhile, and the cycle that waited for it is stale."""
-    with Served(built(SLOW), simulated=False) as served:
+    spec = shipped()
+    made = build(spec, [rule for rule in spec.rules if rule.formula is not None], SLOW, LOOKS)
+    with Served(made, simulated=False) as served:
         rig = Rig(served)
         rig.executing = Executing(served.program.layout, silence=0.5)
         for number in range(2):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -73,7 +74,7 @@ def test_the_car_is_looked_for_where_it_is_then(backend: str) -> None:
     s = SPEED * 0.35 - BRAKING * 0.35**2 / 2 - SPEED * BEFORE
     for off, lost in ((0.45, ""), (0.55, "apart"), (-0.45, ""), (-0.55, "apart")):
         clock.now = 0.0
-        watched = made(backend, clock, Limits(apart=0.4, beside=0.1, longest_gap=1.0))
+        watched = made(backend, clock, Limits(apart=0.4, beside=0.1, longest_gap=math.inf))
         assert watched.step(begun_before(0)).state == "drive"
         clock.now = 0.3
         given = replace(cycle(1, at=s + off), t=0.3)

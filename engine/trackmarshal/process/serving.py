@@ -18,6 +18,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.messages import Layout
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
+from trackmarshal.supervision import with_limits
 
 #: Where POSIX shared memory is a folder of files; a name without a slash stands for a file there.
 _SHARED = Path("/dev/shm")
@@ -46,15 +47,16 @@ def build(
     """The process for a spec, compiled once for its content and kept in the user's cache, as `backends.c.build` does.
 
     Raises TrackmarshalError E470 to E472 for what generated C cannot do, E476 for what its messages cannot, E482 for a spec that cannot be
-    supervised with, E473 for places in settings.
+    supervised with, E473 for places in settings, E403 where limits break a constraint of the spec.
     """
     if settings.places:
         raise TrackmarshalError(
             "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
         )
     source = generated(spec, rules, doored=True)
-    held = {name: float(value) for name, value in asdict(limits or Limits.of(spec)).items()}
-    made = Emitted(source, held, settings)
+    given = limits or Limits.of(spec)
+    held = {name: float(value) for name, value in asdict(given).items()}
+    made = Emitted(source, held, with_limits(spec, given, settings))
     path = program(source, made.files, UNITS, made.sizes)
     return Built(path, Layout(made.description))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -113,6 +113,11 @@ class Limits:
                 help_ = close_matches(name, UNITS) or f"there are {', '.join(UNITS)}"
                 raise TrackmarshalError("E481", f"there is no limit `{name}`", help=help_)
         return cls(**{**declared, **changes})
+
+    def declared(self, spec: Spec) -> dict[str, float]:
+        """Those that a spec declares, by the names of its parameters, as they are here; infinite ones are none."""
+        named = {f"{LIMITS_MODULE}.{name}": float(value) for name, value in asdict(self).items()}
+        return {name: value for name, value in named.items() if name in spec.params and value < math.inf}
 
     @classmethod
     def open_loop(cls, spec: Spec | None = None) -> Limits:

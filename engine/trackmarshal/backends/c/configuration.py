@@ -8,7 +8,7 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.checks import text
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.expressions import Writer
-from trackmarshal.backends.c.interface import LIMITS, MARKS
+from trackmarshal.backends.c.interface import LIMITS, MARKS, declared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import initial as places
@@ -58,6 +58,8 @@ def _groups(plan: Layout) -> list[tuple[str, list[str]]]:
     found = []
     if plan.params:
         found.append(("tm_put_params", list(_params(plan))))
+    if declared(plan):
+        found.append(("tm_put_declared", list(_declared(plan))))
     if plan.tables:
         found.append(("tm_put_tables", list(_tables(plan))))
     if plan.spec.constraints:
@@ -95,6 +97,16 @@ def _params(plan: Layout) -> Iterator[str]:
         yield f"    c->params.{c_name} = {place};"
         yield "  } else {"
         yield f"    {_refused('TM_BAD_PARAM', name)}"
+        yield "  }"
+
+
+def _declared(plan: Layout) -> Iterator[str]:
+    """What constraints hold of a limit, they hold of the parameter that declares it: one alone is not changed."""
+    yield "  (void)given;"
+    for limit, name in declared(plan).items():
+        held, param = f"c->limits.{limit}", f"c->params.{plan.params[name]}"
+        yield f"  if (tm_finite({held}) && (({held} < {param}) || ({held} > {param}))) {{"
+        yield f"    {_refused('TM_BAD_LIMIT', limit)}"
         yield "  }"
 
 

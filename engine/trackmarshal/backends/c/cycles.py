@@ -10,13 +10,13 @@ import hashlib
 import math
 import struct
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.interface import LIMITS, in_force
 from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
@@ -91,8 +91,8 @@ class CycleWriter:
         yield f"program {digest(self._source)}"
         for name in LIMITS:
             yield f"{label(name)} {word(float(getattr(limits, name)))}"
-        for name in plan.params:
-            yield f"{label(name)} {word(settings.params.get(name, plan.spec.params[name].value))}"
+        for name, value in in_force(plan, settings.params, asdict(limits)).items():
+            yield f"{label(name)} {word(value)}"
         for name in plan.tables:
             info = plan.spec.tables[name]
             knots, values = settings.tables.get(name, (info.knots, info.values))

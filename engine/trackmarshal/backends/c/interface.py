@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
-from trackmarshal.runtime.cycle import CAPACITIES, Limits
+from trackmarshal.runtime.cycle import CAPACITIES, LIMITS_MODULE, Limits
 from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import FAULTS
 from trackmarshal.runtime.machine import STATES
@@ -33,6 +35,19 @@ _MEANING = {
     "overspeed": "m/s, how much faster than it is there",
     "blind": "s, how long no pose may confirm it",
 }
+
+
+def declared(plan: Layout) -> dict[str, str]:
+    """Limits that parameters of the program declare, with the parameters' names."""
+    return {limit: name for limit in LIMITS if (name := f"{LIMITS_MODULE}.{limit}") in plan.params}
+
+
+def in_force(plan: Layout, params: Mapping[str, float], limits: Mapping[str, float]) -> dict[str, float]:
+    """What the program's parameters are with these, in its order: those that declare a limit are the limit, where it is finite."""
+    held = {name: limits[limit] for limit, name in declared(plan).items() if limits[limit] < math.inf}
+    return {name: held.get(name, params.get(name, plan.spec.params[name].value)) for name in plan.params}
+
+
 #: Names of faults by their number in C.
 FAULT_NAMES = ("none", *FAULTS)
 #: The member of what is stored that says when each sample is due.

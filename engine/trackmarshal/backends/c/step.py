@@ -17,7 +17,7 @@ from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.calling import Calling
 from trackmarshal.backends.c.header import CAPACITIES, capacities, elements
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.source import Source
@@ -242,7 +242,7 @@ class Stepper:
     ) -> None:
         spec, plan = self.source.plan.spec, self.source.plan
         held = np.array([limits[name] for name in LIMITS], dtype=np.float64)
-        values = np.array([params.get(name, spec.params[name].value) for name in plan.params] or [0.0])
+        values = np.array([*in_force(plan, params, limits).values()] or [0.0])
         rows = [tables.get(name, (spec.tables[name].knots, spec.tables[name].values)) for name in plan.tables]
         columns = [[np.array(row[i], dtype=np.float64) for row in rows] for i in (0, 1)]
         addresses = [

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from trackmarshal.backends.c.cycles import digest
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.backends.c.process.regions import BELL, LINE, Region, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
@@ -47,9 +47,7 @@ def describe(
         "datagrams": all(message.length <= DATAGRAM for message in table.messages),
         "capacities": dict(table.capacities),
         "limits": {name: _number(limits[name]) for name in LIMITS},
-        "params": {
-            name: _number(params.get(name, spec.params[name].value)) for name in source.plan.params
-        },
+        "params": {name: _number(value) for name, value in in_force(source.plan, params, limits).items()},
         "tables": {
             name: [[_number(x) for x in column] for column in tables.get(name, (spec.tables[name].knots, spec.tables[name].values))]
             for name in source.plan.tables

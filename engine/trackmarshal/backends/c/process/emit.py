@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.c.binding import SAID
 from trackmarshal.backends.c.cycles import FOUND, label
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS
+from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
 from trackmarshal.backends.c.process.regions import BELL, LINE, regions
@@ -114,7 +114,7 @@ def _context(
         "every_line": [{"slot": slot, "signal": c, "c": member} for slot, (_, _, c, member) in enumerate(made.lines)],
         "limits": [(name, _c(limits[name])) for name in LIMITS],
         "params": [
-            (c_name, literal(settings.params.get(name, spec.params[name].value))) for name, c_name in source.plan.params.items()
+            (source.plan.params[name], literal(value)) for name, value in in_force(source.plan, settings.params, limits).items()
         ],
         "tables": tables,
         "regions": regions(made), "region_magic": REGION_MAGIC, "region_version": REGION_VERSION, "bell": BELL, "line": LINE,
