@@ -415,6 +415,60 @@ def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> No
     assert "compile this file with" in said.stderr
 
 
+BEGINS = """
+#include "supervisor.h"
+static tm_context context;
+int main(void) { return (int)tm_init(&context); }
+"""
+
+
+@pytest.mark.parametrize(
+    ("flags", "status"),
+    [("-O2 -fno-honor-nans", 4), ("-O2 -fassociative-math -fno-signed-zeros -fno-trapping-math", 4), ("-O2", 0), ("-O0", 0)],
+)  # fmt: skip
+def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: int, tmp_path: Path) -> None:  # fmt: skip
+    """Of rules alone; a Supervisor's configuration is refused likewise, so that it admits no cycle."""
+    clang = next((found for name in ("clang", "clang-14") if (found := shutil.which(name))), None)
+    if clang is None:
+        pytest.skip("no clang")
+    for doored in (False, True):
+        made = generate(
+            shipped(), [rule for rule in shipped().rules if rule.name == "friction"], doored=doored
+        )
+        (tmp_path / "supervisor.h").write_text(made.header)
+        (tmp_path / "supervisor.c").write_text(made.source)
+        (tmp_path / "main.c").write_text(BEGINS)
+        command = [clang, "-std=c99", *flags.split(), "supervisor.c", "main.c", "-o", "begins", "-lm"]
+        subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        assert subprocess.run([tmp_path / "begins"], check=False).returncode == status
+
+
+SETS = """
+#include "supervisor.h"
+static tm_context context;
+int main(void) { (void)tm_init(&context); return (int)%s; }
+"""
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_a_line_that_is_not_there_is_refused(tmp_path: Path) -> None:
+    """Of rules alone, whose caller sets lines and zones: it crashed where a pointer was NULL and the count was not."""
+    rules = [rule for rule in shipped().rules if rule.name in ("static_collision", "zone_speed_limit")]
+    made = generate(shipped(), rules)
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    setters = re.findall(
+        r"^tm_status (tm_set_\w+)\(tm_context \*c, const double \*(left|points),", made.header, re.M
+    )
+    assert {kind for _, kind in setters} == {"left", "points"}
+    for name, kind in setters:
+        rest = {"left": "NULL, 4u, NULL, 4u, false", "points": "NULL, 4u"}[kind]
+        (tmp_path / "main.c").write_text(SETS % f"{name}(&context, {rest})")
+        command = ["gcc", "-std=c99", "-O1", "supervisor.c", "main.c", "-o", "sets", "-lm"]
+        subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        assert subprocess.run([tmp_path / "sets"], check=False).returncode == 3
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("method", [0, 1, 16, 32])
 def test_shorter_numbers_of_a_processor_are_no_more_digits(method: int, tmp_path: Path) -> None:

@@ -37,6 +37,10 @@ def configuration(plan: Layout, given: Supervised) -> Iterator[str]:
     yield '  tm_configured said = {TM_OK, ""};'
     yield "  size_t parts = 0u;"
     yield "  c->configured = 0u;"
+    yield "  if (!tm_as_written()) {"
+    yield "    said.status = TM_UNSUPPORTED;"
+    yield '    said.which = "arithmetic";'
+    yield "  }"
     yield "  tm_put_limits(c, configuration, &said, &parts);"
     yield from (f"  {name}(c, configuration, &said, &parts);" for name in groups)
     yield f"  if ((said.status == TM_OK) && (parts == {1 + len(groups)}u)) {{"

@@ -238,11 +238,19 @@ def setters(plan: Layout, supervised: bool = False) -> Iterator[str]:
             yield "    return TM_OVER_CAPACITY;"
             yield "  }"
         over = f"(left_count > {limit}) || (right_count > {limit})" if bordered else f"count > {limit}"
-        yield f"  if ({over}) {{"
-        for shape in shapes:
-            yield f"    c->shapes.{shape.c_name}{'[lane]' if many else ''}.usable = false;"
-        yield "    return TM_OVER_CAPACITY;"
-        yield "  }"
+        refused = [(over, "TM_OVER_CAPACITY")]
+        if not supervised or name not in plan.spec.signals:  # its door has looked
+            lines = (
+                [(side, f"{side}_count") for side in ("left", "right")] if bordered else [("points", "count")]
+            )
+            none = [f"(({points} == NULL) && ({count} > 0u))" for points, count in lines]
+            refused.append((" || ".join(none), "TM_UNUSABLE"))
+        for refusal, status in refused:
+            yield f"  if ({refusal}) {{"
+            for shape in shapes:
+                yield f"    c->shapes.{shape.c_name}{'[lane]' if many else ''}.usable = false;"
+            yield f"    return {status};"
+            yield "  }"
         for shape in shapes:
             yield f"  status = {_make(shape)};"
             yield "  if (status > worst) { worst = status; }"

@@ -3,6 +3,16 @@ static bool tm_finite(double x) {
   return fabs(x) <= DBL_MAX;
 }
 
+/** Whether this was compiled for numbers as IEEE 754 has them: NaN equals nothing, and sums are taken as they are written. Of some flags
+   (clang's -fno-honor-nans, -fassociative-math) no macro tells. */
+static bool tm_as_written(void) {
+  volatile const double given[3] = {TM_NAN, 1e16, 1.0}; /* volatile: worked out when it runs, with the code of all others */
+  const double none = given[0];
+  const double large = given[1];
+  const double one = given[2];
+  return !(none == none) && !(((large + one) - large) > 0.0);
+}
+
 /** Whether a flag has no value. */
 static bool tm_missing(tm_flag flag) {
   return (flag != TM_TRUE) && (flag != TM_FALSE);
