@@ -443,6 +443,26 @@ def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: i
         assert subprocess.run([tmp_path / "begins"], check=False).returncode == status
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("capacity", ["SAMPLES", "BORDER", "ELEMENTS"])
+def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Path) -> None:
+    """It was overwritten beyond its end, without a word."""
+    rules = [rule for rule in shipped().rules if rule.name in ("friction", "safe_gap", "static_collision")]
+    made = generate(shipped(), rules, doored=True)
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    (tmp_path / "main.c").write_text(BEGINS)
+    found = []
+    for flags in ([], [f"-DTM_MAX_{capacity}=40u"]):
+        for unit, given in (("supervisor", []), ("main", flags)):
+            command = ["gcc", "-std=c99", *given, "-c", f"{unit}.c"]
+            subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        command = ["gcc", "supervisor.o", "main.o", "-o", "begins", "-lm"]
+        subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        found.append(subprocess.run([tmp_path / "begins"], check=False).returncode)
+    assert found == [0, 4]
+
+
 SETS = """
 #include "supervisor.h"
 static tm_context context;

@@ -183,12 +183,15 @@ def _defaults(plan: Layout) -> Iterator[str]:
 
 
 def _init(plan: Layout, given: Supervised) -> Iterator[str]:
-    yield "tm_status tm_init(tm_context *c)"
+    yield "tm_status tm_init_of(tm_context *c, size_t size)"
     yield "{"
     yield "  tm_configuration own;"
     yield "  tm_configured said;"
     yield "  tm_status status = TM_OK;"
-    yield "  c->made = 0u;"
+    yield "  c->made = 0u; /* the first member, wherever the others are */"
+    yield "  if (size != sizeof(tm_context)) {"
+    yield "    return TM_UNSUPPORTED;"
+    yield "  }"
     yield "  c->configured = 0u;"
     yield "  c->serial = 0u;"
     for part in MARKS:
