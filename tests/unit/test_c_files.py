@@ -444,7 +444,7 @@ def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: i
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
-@pytest.mark.parametrize("capacity", ["SAMPLES", "BORDER", "ELEMENTS"])
+@pytest.mark.parametrize("capacity", ["SAMPLES", "BORDER", "REASONS"])
 def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Path) -> None:
     """It was overwritten beyond its end, without a word."""
     rules = [rule for rule in shipped().rules if rule.name in ("friction", "safe_gap", "static_collision")]
