@@ -290,6 +290,16 @@ def test_long_straight_scene_is_cut_into_strips_that_share_a_scale(tmp_path: Pat
     assert sum(e.get("class") == "foot ego" for p in parts for e in p.iter()) == 13
 
 
+@pytest.mark.parametrize("origin", [0.0, 5334567.8])
+def test_the_page_draws_what_moves_where_the_picture_has_it(tmp_path: Path, origin: float) -> None:
+    run = read_run(record(tmp_path, recording([cycle(0.0, origin), cycle(0.1, origin + 2.0)])))
+    picture = ET.fromstring(scene.scenes(run, WIDE)[0])
+    a, _, _, _, e, _ = (float(number) for number in (picture.get("data-matrix") or "").split())
+    feet = [foot.get("d") or "" for foot in picture.iter() if foot.get("class") == "foot ego"]
+    across = [float(corner.split()[0]) for corner in feet[0][1:-1].split("L")]
+    assert a * origin + e == pytest.approx(sum(across) / 4, abs=0.02)
+
+
 def test_far_vehicles_do_not_shrink_the_scene(tmp_path: Path) -> None:
     near = read_run(record(tmp_path, recording([cycle(0.0, 0.0), cycle(0.1, 2.0)])))
     far = read_run(record(tmp_path, recording([cycle(0.0, 0.0, [other("o", 9000.0)]), cycle(0.1, 2.0)])))

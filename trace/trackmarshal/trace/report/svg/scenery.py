@@ -154,7 +154,8 @@ def time_labels(labels: Iterable[tuple[Point, float, str, str]], view: View, pla
 
 def picture(view: View, parts: Sequence[str], name: str, description: str, foot_strip: bool = True) -> str:
     """The parts, and below them the scale and the directions of x and y."""
-    matrix = " ".join(f"{value:.6g}" for value in (view.a, view.b, view.c, view.d, view.e, view.f))
+    # In full: of coordinates far from the origin, as those of a survey, the products all but cancel out.
+    matrix = " ".join(f"{value:.17g}" for value in (view.a, view.b, view.c, view.d, view.e, view.f))
     if not foot_strip:
         return svg(view.width, view.height, name, description, parts, class_="scene", data_matrix=matrix)
     metres, pixels = view.scale_bar()
