@@ -191,6 +191,18 @@ def test_a_figure_of_eight_is_a_track(geometry: Geometry) -> None:
             "left border folds back on itself near (50.000, 5.000)",
         ),
         (LEFT, LEFT, False, "left border meets right border near (50.000, 5.000)"),
+        (  # a lap whose first points are repeated
+            [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 0.0)],
+            [(-9.0, -3.0), (18.0, -3.0), (18.0, 18.0), (-9.0, -3.0)],
+            False,
+            "left border ends where it begins, at (0.000, 0.000), and the corridor is not closed",
+        ),
+        (
+            LEFT,
+            [(0.0, -5.0), (9.0, -9.0), (0.0, -5.0)],
+            False,
+            "right border ends where it begins, at (0.000, -5.000), and the corridor is not closed",
+        ),
         (
             [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0)],
             [(20.0, 0.0), (29.0, 0.0), (29.0, 9.0)],

@@ -140,6 +140,9 @@ def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
             return fault
     lefts, rights = distinct(left, closed), distinct(right, closed)
     if not closed:
+        for name, points in (("left border", lefts), ("right border", rights)):
+            if (points[0] == points[-1]).all():  # it would be said to cross itself
+                return f"{name} ends where it begins, at {place(*points[0])}, and the corridor is not closed"
         # Where both borders end in one point there is no end to cross.
         apart = [bool((np.abs(lefts[at] - rights[at]) > SAME).any()) for at in (0, -1)]
         ends = [["end of the corridor"] * there for there in apart]

@@ -128,6 +128,9 @@ def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: b
             return fault
     lefts, rights = distinct(left, closed), distinct(right, closed)
     if not closed:
+        for name, border in ((LEFT, lefts), (RIGHT, rights)):
+            if border[0] == border[-1]:  # it would be said to cross itself
+                return f"{name} ends where it begins, at {_place(border[0])}, and the corridor is not closed"
         # Where both borders end in one point there is no end to cross.
         near, far = ([] if same(lefts[at], rights[at]) else [CAP] for at in (0, -1))
         names = [LEFT] * (len(lefts) - 1) + far + [RIGHT] * (len(rights) - 1) + near
