@@ -183,7 +183,18 @@ def test_a_figure_of_eight_is_a_track(geometry: Geometry) -> None:
             False,
             "left border meets right border near (50.000, -5.000)",
         ),
-        (LEFT, RIGHT[::-1], False, "end of the corridor crosses itself near (50.000, 0.000)"),
+        (
+            LEFT,
+            RIGHT[::-1],
+            False,
+            "end of the corridor crosses itself near (50.000, 0.000), as the borders run in opposite directions",
+        ),
+        (  # in a bend
+            [(0.0, 5.0), (50.0, 5.0), (90.0, 50.0), (90.0, 90.0)],
+            [(100.0, 90.0), (100.0, 45.0), (55.0, -5.0), (0.0, -5.0)],
+            False,
+            "left border meets end of the corridor near (9.474, 5.000), as the borders run in opposite directions",
+        ),
         (
             [(0.0, 5.0), (50.0, 5.0), (20.0, 5.0)],
             RIGHT,

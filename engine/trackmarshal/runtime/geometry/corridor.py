@@ -148,8 +148,12 @@ def corridor_region(left: Floats, right: Floats, closed: bool) -> Region | str:
         ends = [["end of the corridor"] * there for there in apart]
         names = ["left border"] * (len(lefts) - 1) + ends[1] + ["right border"] * (len(rights) - 1) + ends[0]
         ring = distinct(np.concatenate([lefts, rights[::-1]]), True)
-        border = Border([ring], closed=True)
-        return meeting_fault(border, names) or Region([counter_clockwise(ring)])
+        fault = meeting_fault(Border([ring], closed=True), names)
+        if fault is None:
+            return Region([counter_clockwise(ring)])
+        turned = Border([distinct(np.concatenate([lefts, rights]), True)], closed=True)
+        opposed = meeting_fault(turned, ["border"] * turned.size) is None
+        return f"{fault}, as the borders run in opposite directions" if opposed else fault
     border = Border([lefts, rights], closed=True)
     fault = meeting_fault(border, ["left border"] * len(lefts) + ["right border"] * len(rights))
     if fault:

@@ -137,7 +137,12 @@ def corridor_region(left: tuple[Point, ...], right: tuple[Point, ...], closed: b
         ring = distinct(lefts + rights[::-1], True)
         sides = list(zip(ring, [*ring[1:], ring[0]], names))
         outline = _to_the_left([(a, b) for a, b, _ in sides])
-        return _crossing_fault([sides]) or Region(outline, (outline,))
+        fault = _crossing_fault([sides])
+        if fault is None:
+            return Region(outline, (outline,))
+        turned = distinct(lefts + rights, True)
+        opposed = _crossing_fault([[(a, b, LEFT) for a, b in zip(turned, [*turned[1:], turned[0]])]]) is None
+        return f"{fault}, as the borders run in opposite directions" if opposed else fault
     rings = [
         [(a, b, name) for a, b in zip(points, [*points[1:], points[0]])]
         for name, points in ((LEFT, lefts), (RIGHT, rights))
