@@ -189,3 +189,11 @@ def test_no_assumption_rests_on_the_page_that_says_there_is_none(matrix: dict[st
     ]
     assert items
     assert {item["status"] for item in items} == {"partial"}
+
+
+def test_a_count_of_instructions_is_no_measurement_of_time(matrix: dict[str, Any]) -> None:
+    """S-1-B-2 is about time on the target, of which `docs/embedded.md` says that it has none."""
+    asked = [
+        found for found in matrix["findings"] if found["code"] == "T255" and "`S-1-B-2`" in found["message"]
+    ]
+    assert ["by measurement" in found["message"] for found in asked] == [True]
