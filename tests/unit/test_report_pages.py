@@ -163,6 +163,8 @@ def test_what_follows_from_a_finding_stands_below_it(tmp_path: Path) -> None:
         ({}, "✓ PASS", "1 of 1 demands of the V-model are covered, all 12 tests passed and 1 of 1 run could be held"),
         ({"missing": [MISSING[0]]}, "✗ FAIL", "1 finding must be mended"),
         ({"missing": [MISSING[1]], "summary": {**COVERED, "verdict": "pass with reservations"}}, "⚑ PASS WITH RESERVATIONS", "1 warning should be looked at"),
+        ({"summary": {**COVERED, "verdict": "pass with reservations", "reservations": ["1 cell is waived", "3 findings are waived", "nobody has reviewed 4 things"]}},
+         "⚑ PASS WITH RESERVATIONS", "; 3 findings are waived and nobody has reviewed 4 things."),
         ({"checks": {**CHECKS, "failed": 2}}, "✗ FAIL", "2 of 12 tests failed"),
         ({"checks": {**CHECKS, "errors": 3}}, "✗ FAIL", "The specs have 3 errors"),
         ({"checks": {**CHECKS, "tests": 0}}, "✓ PASS", "Nothing wrong was found, but not everything was done: no test was run"),

@@ -114,7 +114,14 @@ def state(
         found, put_in = checks["faults"]
         held.append(f"{found} of {count(put_in, 'injected fault')} were found as expected")
     warnings = sum(f["level"] == "warning" for f in findings) + int(checks["warnings"])
-    extra = f"; {count(warnings, 'warning')} should be looked at" if warnings else ""
+    # Of what the matrix reserves its pass by, cells stand above, and warnings are counted with those of the specs.
+    reserved = [
+        what
+        for what in matrix_summary.get("reservations", ())
+        if " cell" not in what and "should be looked at" not in what
+    ]
+    reserved += [f"{count(warnings, 'warning')} should be looked at"] if warnings else []
+    extra = f"; {listed(reserved)}" if reserved else ""
     return _state(word, f"{_capital(listed(held))}{extra}.")
 
 
