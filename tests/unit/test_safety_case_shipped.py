@@ -197,3 +197,22 @@ def test_a_count_of_instructions_is_no_measurement_of_time(matrix: dict[str, Any
         found for found in matrix["findings"] if found["code"] == "T255" and "`S-1-B-2`" in found["message"]
     ]
     assert ["by measurement" in found["message"] for found in asked] == [True]
+
+
+def test_goals_whose_interval_is_over_before_an_answer_are_named_as_open() -> None:
+    """What a safe cycle approves is driven until `oldest` and `longest_gap` after its stamp. The safety concept counted from its arrival, and nothing was open."""
+    limits = re.findall(
+        r"^param (?:oldest|longest_gap) *: s = ([\d.]+) s",
+        (REPOSITORY / "specs/supervisor/limits.spec").read_text("utf-8"),
+        re.M,
+    )
+    answered = sum(map(float, limits)) * 1000
+    assert answered == 250
+    goals = re.findall(
+        r"id: (SG-\d).*?tolerance: (\d+) ms",
+        (REPOSITORY / "requirements/hazards.yaml").read_text("utf-8"),
+        re.S,
+    )
+    short = [goal for goal, interval in goals if float(interval) < answered]
+    said = (REPOSITORY / "requirements/assurance.yaml").read_text("utf-8").split("id: AN-2")[1]
+    assert short == re.findall(r"SG-\d", said.split("open:")[1])
