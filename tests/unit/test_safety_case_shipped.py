@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from support.project import command, copy_project
 from support.safety_case import DAY, NUMBER, Page, corpus, graph_numbers, html, is_place
@@ -216,3 +217,23 @@ def test_goals_whose_interval_is_over_before_an_answer_are_named_as_open() -> No
     short = [goal for goal, interval in goals if float(interval) < answered]
     said = (REPOSITORY / "requirements/assurance.yaml").read_text("utf-8").split("id: AN-2")[1]
     assert short == re.findall(r"SG-\d", said.split("open:")[1])
+
+
+def test_no_issue_of_the_system_model_is_left_out_of_the_hazard_analysis() -> None:
+    """Issues of what is no more than fairness apart: what may go wrong on the way of data, or when a fallback is taken up, led to no hazard.
+    And what answers for a sign that is not recognised served no goal of the hazard that arises from it."""
+    hazards, model, criteria = (
+        yaml.safe_load((REPOSITORY / "requirements" / name).read_text("utf-8"))
+        for name in ("hazards.yaml", "system-model.yaml", "s-1-a.yaml")
+    )
+    leads_to = {
+        issue["id"]: issue["leads_to"] for at in model["interfaces"] for issue in at.get("issues", ())
+    }
+    arising = {issue for hazard in hazards["hazards"] for issue in hazard["arises_from"]}
+    left_out = set(leads_to) - arising
+    assert {answer[:3] for issue in left_out for answer in leads_to[issue]} == {"CR-"}
+    (perception,) = (each for each in criteria["requirements"] if each["id"] == "S-1-A-1")
+    (people,) = (hazard["id"] for hazard in hazards["hazards"] if "AV-TI.1" in hazard["arises_from"])
+    (goal,) = (each["id"] for each in hazards["safety_goals"] if people in each["prevents"])
+    assert leads_to["AV-TI.1"] == ["S-1-A-1"]
+    assert goal in perception["achieves"]
