@@ -263,3 +263,18 @@ def test_coverage_counts_every_cell_once() -> None:
         number = sum(stage in row.cells for row in matrix.rows)
         assert count["of"] == number
         assert sum(value for status_, value in count.items() if status_ != "of") == number
+
+
+def test_a_rule_that_nothing_is_evaluated_with_by_default_is_called_so() -> None:
+    """It is there, and loaded by whoever wants it: that it is evaluated in every cycle, the cell must not say."""
+    small = Small()
+    items, tests, results, runs = small.parts()
+    rule = replace(items[1], name="slow", title="Slow at the start", source="code, 1", line=60)
+    matrix = build(small, spec_items=[*items, rule])
+    row = next(row for row in matrix.rows if row.requirement.id == "S-1-A-2")
+    said = {item.name: item.detail for item in row.cells["S-2-B"].items}
+    assert "not in" not in said["gap"]
+    assert said["slow"] == "code, 1; not in specs: evaluated where its spec is loaded beside that"
+    unrun = build(small, spec_items=[*items, rule], runs=[])
+    row = next(row for row in unrun.rows if row.requirement.id == "S-1-A-2")
+    assert {item.name: item.detail for item in row.cells["S-2-B"].items}["slow"] == "code, 1"

@@ -186,14 +186,31 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
 
 
 def _rule(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
-    return _linked(ground, requirement, "rule", "metrics", lambda item: ("covered", item.source))
+    def judge(item: SpecItem) -> tuple[str, str]:
+        return "covered", "; ".join(filter(None, (item.source, _beside(ground, item))))
+
+    return _linked(ground, requirement, "rule", "metrics", judge)
 
 
 def _monitor(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     def judge(item: SpecItem) -> tuple[str, str]:
-        return ("covered", "watched while driving") if item.monitored else ("missing", "has no monitor")
+        if not item.monitored:
+            return "missing", "has no monitor"
+        return "covered", _beside(ground, item) or "watched while driving"
 
     return _linked(ground, requirement, "monitor", "assumptions", judge)
+
+
+def _beside(ground: Ground, item: SpecItem) -> str:
+    """That a rule is none of those that everything is evaluated with, as runs of scenarios without specs of their own tell; empty where it is one, or no such run is there."""
+    plain = [
+        run
+        for scenario in ground.project.scenarios
+        if not scenario.specs and (run := ground.spec.runs.get(str(scenario.path)))
+    ]
+    if not plain or any(item.name in ground.spec.facts(run) for run in plain):
+        return ""
+    return f"not in {ground.project.default_spec}: evaluated where its spec is loaded beside that"
 
 
 def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
