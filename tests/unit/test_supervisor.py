@@ -210,6 +210,22 @@ def test_without_a_pose_it_is_driven_for_a_while_only() -> None:
 
 
 @pytest.mark.verifies("S-1-B-6")
+def test_a_pose_counts_from_when_it_was_taken() -> None:
+    """The car was last seen where a pose of 0.35 s ago has it: 0.5 s after that, and not after the pose has come, nothing is driven any more."""
+    run = Run()
+    run.step()
+
+    def old(given: Cycle) -> Cycle:
+        return replace(given, signals={**given.signals, "ego": {**given.signals["ego"], "age": 0.35}})
+
+    for number in range(1, 6):
+        then = max(0.0, number * PERIOD - 0.35)
+        decision = run.step(FRICTION, old, SPEED * then - BRAKING * then**2 / 2)
+        assert decision.state == "previous_emergency"
+    assert [run.step(change=lambda c: None).lost for _ in range(2)] == ["", "unconfirmed"]
+
+
+@pytest.mark.verifies("S-1-B-6")
 def test_a_safe_cycle_replaces_what_is_stored() -> None:
     run = Run()
     for _ in range(4):
