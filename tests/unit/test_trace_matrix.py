@@ -268,7 +268,7 @@ def test_coverage_counts_every_cell_once() -> None:
 def test_a_rule_that_nothing_is_evaluated_with_by_default_is_called_so() -> None:
     """It is there, and loaded by whoever wants it: that it is evaluated in every cycle, the cell must not say."""
     small = Small()
-    items, tests, results, runs = small.parts()
+    items, *_ = small.parts()
     rule = replace(items[1], name="slow", title="Slow at the start", source="code, 1", line=60)
     matrix = build(small, spec_items=[*items, rule])
     row = next(row for row in matrix.rows if row.requirement.id == "S-1-A-2")
