@@ -10,7 +10,8 @@ function read() {
   const said = new URLSearchParams(location.hash.slice(1));
   const found = Object.fromEntries(FIELDS.map((name) => [name, said.get(name) || ""]));
   if (!byKind.has(found.kind)) found.kind = "requirement";
-  if (!beyond(found.kind).includes(found.to)) found.to = found.kind === "requirement" ? "" : beyond(found.kind).includes(USUAL[found.kind]) ? USUAL[found.kind] : beyond(found.kind)[0] || "";
+  // What is asked for is answered, too, where nothing leads there: another question's rows would stand for it.
+  if (!byKind.has(found.to)) found.to = found.kind === "requirement" ? "" : beyond(found.kind).includes(USUAL[found.kind]) ? USUAL[found.kind] : beyond(found.kind)[0] || "";
   return found;
 }
 
@@ -71,7 +72,7 @@ function options(name, values, none) {
 function controls(found) {
   const { kind, to } = state;
   options("kind", data.kinds.filter(([one]) => byKind.get(one).length).map(([one]) => [one, one + " (" + byKind.get(one).length + ")"]), null);
-  options("to", beyond(kind).map((one) => [one, one]), kind === "requirement" ? "stages" : null);
+  options("to", [...new Set([...beyond(kind), ...(to ? [to] : [])])].map((one) => [one, one]), kind === "requirement" ? "stages" : null);
   options("stage", data.stages.map(({ id, title }) => [id, id + " " + title]), "every stage");
   options("asil", [...new Set(nodes.map(({ said }) => said.asil).filter(Boolean))].sort().map((one) => [one, "ASIL " + one]), "every ASIL");
   options("status", statuses.map(({ word, sign }) => [word, sign + " " + word]), "every status");
