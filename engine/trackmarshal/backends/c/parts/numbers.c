@@ -6,10 +6,12 @@ static bool tm_finite(double x) {
 /** Whether this was compiled for numbers as IEEE 754 has them: NaN equals nothing, and sums are taken as they are written. Of some flags
    (clang's -fno-honor-nans, -fassociative-math) no macro tells. */
 static bool tm_as_written(void) {
-  volatile const double given[3] = {TM_NAN, 1e16, 1.0}; /* volatile: worked out when it runs, with the code of all others */
-  const double none = given[0];
-  const double large = given[1];
-  const double one = given[2];
+  volatile double given = TM_NAN; /* volatile: worked out when it runs, with the code of all others */
+  const double none = given;
+  given = 1e16;
+  const double large = given;
+  given = 1.0;
+  const double one = given;
   return !(none == none) && !(((large + one) - large) > 0.0);
 }
 
