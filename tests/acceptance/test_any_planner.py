@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from support.any_planner import Cars, Outcome, run
-from support.length import amount
+from support.length import amount, shared_out
 from support.supervised import ROOT, shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import load
@@ -62,7 +62,7 @@ def test_nothing_is_hit_whatever_is_proposed() -> None:
     assert seen["driven"] > RUNS / 2
 
 
-@pytest.mark.parametrize("vehicle", OTHERS)
+@pytest.mark.parametrize("vehicle", shared_out(OTHERS, 2))
 def test_nor_with_another_vehicle(vehicle: str, tmp_path: Path) -> None:
     cars, radius = OTHERS[vehicle]
     settings = tmp_path / "vehicle.spec"
