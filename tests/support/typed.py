@@ -480,7 +480,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
     "`list`, or a class derived from it": (_s(list), _s(Rows)),
     "`tuple`, or a class derived from it (named ones too)": (_s(tuple), _s(Row), _s(_named)),
     "array of real numbers: of any size, byte order, strides, writable or not": (
-        _c(lambda v: np.array(v, dtype=np.float64)), _c(lambda v: np.array(v, dtype=np.float32)), _c(lambda v: np.array(v, dtype=np.float16)),
+        _c(lambda v: np.array(v, dtype=np.float64)), _c(lambda v: np.array(v, dtype=np.float32)),
         _c(lambda v: np.array(v, dtype=np.longdouble)), _c(lambda v: np.array(v, dtype=">f8")), _c(_strided), _c(_read_only),
         _c(lambda v: np.array(v, dtype=np.float64, order="F")), _c(lambda v: np.frombuffer(np.array(v).tobytes()).reshape(np.shape(v))),
     ),

@@ -19,11 +19,25 @@ from trackmarshal.runtime.lines import Line
 KEPT = 32
 _FLOAT = np.dtype(np.float64)
 _ROWS, _NUMBERS = {list, tuple}, {float, int}
+#: How far apart [m] the numbers of an array may be where its coordinates are: of a `float32`, the northing of a survey is rounded to 0.5 m.
+_COARSE = 0.01
 Floats = NDArray[np.float64]
+
+
+def _rounded(array: NDArray[Any]) -> str:
+    """What an array of short floats has lost of its coordinates; empty where that is nothing of weight."""
+    if array.dtype.kind != "f" or array.dtype.itemsize >= _FLOAT.itemsize:
+        return ""
+    with np.errstate(all="ignore"):
+        largest = np.abs(np.asarray(array).astype(array.dtype.newbyteorder("=")))
+    apart = float(np.spacing(largest[np.isfinite(largest)].max(initial=0)))
+    return f"{array.dtype.name} has no two numbers nearer than {apart:g} m there" if apart > _COARSE else ""
 
 
 def line(points: Any) -> Line:
     """A line of an array or a list of points [x, y] in m, which are copied; raises ValueError for anything else."""
+    if isinstance(points, np.ndarray) and (lost := _rounded(points)):
+        raise ValueError(lost)
     try:
         array = np.array(points, dtype=np.float64)
     except (TypeError, ValueError):
@@ -146,6 +160,8 @@ def _numbers(array: Any) -> Floats | None:
         found = None
     if found is None:
         raise NoLineError("wrong_type", None, "not a list of points")
+    if lost := _rounded(array):
+        raise NoLineError("wrong_type", None, lost)
     return found
 
 

@@ -1,0 +1,53 @@
+"""Borders that went through a float of 32 bits: where its numbers are decimetres apart, a car beyond its border had a margin that is positive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from support.cycles import cycle
+from support.supervised import BACKENDS, shipped
+from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.faults import name_of
+
+
+def moved(north: float, borders: type[np.floating[Any]]) -> Cycle:
+    """The straight road of all tests, so far to the north."""
+    given = cycle(0, objects=0, obstacles=0)
+    for columns in (given.driving, given.emergency):
+        columns["y"] = np.asarray(columns["y"], dtype=float) + north
+    given.signals["ego"]["y"] += north
+    for side in ("left", "right"):
+        given.signals["track"][side] = (
+            np.array(given.signals["track"][side]) + np.array([0.0, north])
+        ).astype(borders)
+    return given
+
+
+@BACKENDS
+@pytest.mark.parametrize(
+    ("borders", "north", "refused"),
+    [
+        (np.float64, 5334572.35, ""),
+        (np.float32, 0.0, ""),
+        (np.float32, 5334572.35, "float32 has no two numbers nearer than 0.5 m there"),
+        (np.float16, 5000.0, "float16 has no two numbers nearer than 4 m there"),
+    ],
+)
+def test_borders_that_have_lost_digits_are_refused(
+    borders: type[np.floating[Any]], north: float, refused: str, backend: str
+) -> None:
+    given = moved(north, borders)
+    decision = tm.supervisor(shipped(), backend=backend, limits={"budget": 60.0}, clock=lambda: 0.0).step(
+        given
+    )
+    found = {(name_of(fault), fault.signal, fault.field) for fault in decision.faults}
+    wanted = {("wrong_type", "track", side) for side in ("left", "right")} if refused else set()
+    assert (found, decision.safe) == (wanted, not refused)
+    if refused:
+        assert refused in str(decision.faults[0])
+        with pytest.raises(ValueError, match=refused):
+            tm.line(given.signals["track"]["left"])
