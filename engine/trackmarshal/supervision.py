@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -76,14 +77,21 @@ def rulebox(
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
     """The limits that a spec declares, with some changed; raises E481 or E485, and E403 where they break a constraint of the spec."""
     held = Limits.of(spec, **changes)
-    with_limits(spec, held, settings)
+    with_limits(spec, held, settings, named=changes)
     return held
 
 
-def with_limits(spec: Spec, limits: Limits, settings: Settings) -> Settings:
-    """Settings in which the parameters that declare limits are those limits; raises E403 where they break a constraint of the spec."""
+def with_limits(spec: Spec, limits: Limits, settings: Settings, named: Container[str] = ()) -> Settings:
+    """Settings in which the parameters that declare limits are those limits; raises E403 where they break a constraint of the spec.
+
+    An infinite limit is none (`Limits.open_loop`), but where it is one of `named`: then it is held like any other.
+    """
     values = {name: settings.params.get(name, info.value) for name, info in spec.params.items()}
-    others = {name: value for name, value in limits.declared(spec).items() if value != values[name]}
+    others = {
+        name: value
+        for name, value in limits.declared(spec).items()
+        if value != values[name] and (value < math.inf or name.rpartition(".")[2] in named)
+    }
     if not others:
         return settings
     found = replace(settings, params={**settings.params, **others})

@@ -95,6 +95,17 @@ def test_limits_that_are_given_are_held_to_the_constraints_of_those_that_are_dec
 
 
 @BACKENDS
+@pytest.mark.parametrize("name", ["longest_gap", "oldest"])
+def test_nor_is_one_that_rules_count_on_taken_away_by_name(name: str, backend: str) -> None:
+    """`Limits.open_loop` is for who replays a run; by name, and on the command line, it is of a Supervisor that drives along."""
+    with pytest.raises(tm.TrackmarshalError, match="does not hold") as caught:
+        tm.supervisor(shipped(), backend=backend, limits={name: math.inf})
+    assert caught.value.code == "E403"
+    with pytest.raises(tm.TrackmarshalError, match="does not hold"):
+        limits_of(Namespace(limit=[f"{name}=inf"]), shipped())
+
+
+@BACKENDS
 def test_so_are_limits_that_stand_for_all_of_them(backend: str) -> None:
     """`tm.Limits(...)` was taken as it stands; what has no limit is no car's, and says so."""
     spec, seen = shipped(), {"t_next": 0.4, "t_unseen": 0.4}

@@ -115,9 +115,9 @@ class Limits:
         return cls(**{**declared, **changes})
 
     def declared(self, spec: Spec) -> dict[str, float]:
-        """Those that a spec declares, by the names of its parameters, as they are here; infinite ones are none."""
+        """Those that a spec declares, by the names of its parameters, as they are here."""
         named = {f"{LIMITS_MODULE}.{name}": float(value) for name, value in asdict(self).items()}
-        return {name: value for name, value in named.items() if name in spec.params and value < math.inf}
+        return {name: value for name, value in named.items() if name in spec.params}
 
     @classmethod
     def open_loop(cls, spec: Spec | None = None) -> Limits:
