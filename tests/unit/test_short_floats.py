@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -51,3 +52,32 @@ def test_borders_that_have_lost_digits_are_refused(
         assert refused in str(decision.faults[0])
         with pytest.raises(ValueError, match=refused):
             tm.line(given.signals["track"]["left"])
+
+
+@BACKENDS
+@pytest.mark.parametrize(
+    "shape",
+    [
+        list,
+        lambda array: [list(row) for row in array],
+        lambda array: tuple(map(tuple, array)),
+        lambda array: np.array([list(row) for row in array], dtype=object),
+        lambda array: [[float(x), y] for x, y in array],
+    ],
+    ids=["list of arrays", "list of lists", "tuples", "array of objects", "one axis alone"],
+)
+def test_whatever_holds_them(shape: Callable[[Any], Any], backend: str) -> None:
+    """A list of rows, or of numbers out of an array, is as short as the array was."""
+    given = moved(5334572.35, np.float32)
+    given.signals["track"]["left"] = shape(given.signals["track"]["left"])
+    given.signals["track"]["right"] = given.signals["track"]["right"].astype(float).tolist()
+    decision = tm.supervisor(shipped(), backend=backend, limits={"budget": 60.0}, clock=lambda: 0.0).step(
+        given
+    )
+    assert [(name_of(fault), fault.signal, fault.field) for fault in decision.faults] == [
+        ("wrong_type", "track", "left")
+    ]
+    assert "float32 has no two numbers nearer than 0.5 m there" in str(decision.faults[0])
+    assert not decision.safe
+    with pytest.raises(ValueError, match=r"nearer than 0\.5 m"):
+        tm.line(given.signals["track"]["left"])

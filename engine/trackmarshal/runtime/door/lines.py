@@ -24,8 +24,8 @@ _COARSE = 0.01
 Floats = NDArray[np.float64]
 
 
-def _rounded(array: NDArray[Any]) -> str:
-    """What an array of short floats has lost of its coordinates; empty where that is nothing of weight."""
+def _rounded(array: NDArray[Any] | np.floating[Any]) -> str:
+    """What short floats, an array or a number out of one, have lost of their coordinates; empty where that is nothing of weight."""
     if array.dtype.kind != "f" or array.dtype.itemsize >= _FLOAT.itemsize:
         return ""
     with np.errstate(all="ignore"):
@@ -34,16 +34,26 @@ def _rounded(array: NDArray[Any]) -> str:
     return f"{array.dtype.name} has no two numbers nearer than {apart:g} m there" if apart > _COARSE else ""
 
 
+def _point_rounded(point: Any) -> str:
+    """The same of a point, whatever holds its numbers."""
+    if values.is_array(point) and point.dtype != object:
+        return _rounded(point)
+    short = (value for value in point if isinstance(value, np.floating | np.ndarray))
+    return next(filter(None, map(_rounded, short)), "")
+
+
 def line(points: Any) -> Line:
     """A line of an array or a list of points [x, y] in m, which are copied; raises ValueError for anything else."""
-    if isinstance(points, np.ndarray) and (lost := _rounded(points)):
-        raise ValueError(lost)
     try:
-        array = np.array(points, dtype=np.float64)
+        given = points if isinstance(points, np.ndarray) else np.array(points)
+        array = np.array(given, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"a line is a list of points [x, y] of numbers, not {points!r:.60}") from None
     if array.ndim != 2 or array.shape[1] != 2:
         raise ValueError(f"a line is a list of points [x, y], not of shape {array.shape}")
+    rows = given if given.dtype == object else points if values.is_a(points, (list, tuple)) else ()
+    if lost := _rounded(given) or next(filter(None, map(_point_rounded, rows)), ""):
+        raise ValueError(lost)
     # numpy lets nobody write to memory that is bytes.
     return Line(np.frombuffer(array.tobytes(), dtype=np.float64).reshape(-1, 2))
 
@@ -142,6 +152,8 @@ def points_of(raw: Any) -> Floats:
             raise NoLineError("wrong_type", index, "not a point [x, y]") from error
         if len(pair) != 2:
             raise NoLineError("wrong_type", index, "not a point [x, y]")
+        if lost := _point_rounded(point):
+            raise NoLineError("wrong_type", index, lost)
         for axis, value in enumerate(pair):
             coordinate = values.number(value)
             if coordinate is None:
