@@ -62,6 +62,7 @@ def test_nothing_is_hit_whatever_is_proposed() -> None:
     assert seen["driven"] > RUNS / 2
 
 
+@pytest.mark.acceptance  # the shipped one every day
 @pytest.mark.parametrize("vehicle", shared_out(OTHERS, 2))
 def test_nor_with_another_vehicle(vehicle: str, tmp_path: Path) -> None:
     cars, radius = OTHERS[vehicle]

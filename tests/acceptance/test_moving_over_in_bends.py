@@ -165,7 +165,7 @@ def meet(ring: Ring, fallback: Fallback, other: Other, ways: Any) -> bool:
 
 
 @pytest.mark.parametrize("behind", [False, True])
-@pytest.mark.parametrize("count", [120, at_length(1500)])
+@pytest.mark.parametrize("count", [60, at_length(1500)])
 def test_nobody_is_met_who_keeps_to_his_line(count: int, behind: bool) -> None:
     rules = {rule.name for rule in shipped().rules if rule.module == "supervisor.collision"} - {"rss_eq1"}
     judge = Evaluator(shipped(), sorted(rules), "numpy")

@@ -119,6 +119,7 @@ class Both:
         return decision
 
 
+@pytest.mark.acceptance  # recordings moved and turned, every day
 @pytest.mark.parametrize("way", WAYS if AT_LENGTH else ["all at once"])
 def test_whatever_a_planner_proposes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: Counter[str] = Counter()

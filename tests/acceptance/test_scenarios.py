@@ -67,7 +67,7 @@ def test_the_project_declares_every_recording() -> None:
 
 
 @pytest.mark.parametrize(
-    "path", shared_out(sorted(FOLDER.rglob("*.tmrec.jsonl*")), 3), ids=lambda path: path.name
+    "path", shared_out(sorted(FOLDER.rglob("*.tmrec.jsonl*")), 5), ids=lambda path: path.name
 )
 def test_inside_the_ground_truth(path: Path) -> None:
     """Every day some of them: the gate replays them all, every day."""

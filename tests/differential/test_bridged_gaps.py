@@ -126,7 +126,7 @@ def said(backend: str, spec: str, run: list[tuple[int, float | None, bool]]) -> 
 @pytest.mark.parametrize("lasting", ["", "capacity 2 forget 0.45 s"])
 def test_what_a_plain_simulation_of_all_worlds_says(backend: str, lasting: str) -> None:
     seen = set()
-    for seed in range(amount(8, 60)):
+    for seed in range(amount(4, 60)):
         run = a_run(random.Random(seed), 0.12 if lasting else 0.0)
         # Lives: an absence ends one where nothing is kept, or after 0.45 s; lost cycles end none, but hide.
         lives: list[list[tuple[int, float, int]]] = []

@@ -70,6 +70,7 @@ def test_along_a_course(drawn: list[tuple[str, Any]], runs: list[list[Cycle]]) -
             assert said(evaluator, run) == said(generated, run), other
 
 
+@pytest.mark.acceptance  # the other one draws as many specs
 @given(
     st.lists(st.tuples(st.sampled_from(["", " at last"]), formulas(3)), min_size=RULES, max_size=RULES),
     st.lists(cycles(), min_size=10, max_size=10),

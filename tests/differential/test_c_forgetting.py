@@ -118,6 +118,7 @@ def scarce(dice: random.Random, many: int) -> list[dict[str, Any] | None]:
     return cycles
 
 
+@pytest.mark.acceptance  # short ones every day
 def test_long_runs_of_pairs_saved_in_between() -> None:
     """Pairs come apart and meet again, with some that find no place; saved and restored, C goes on as if it had not stopped."""
     spec, dice = loads(PAIRS), random.Random(5)
@@ -139,6 +140,7 @@ def test_long_runs_of_pairs_saved_in_between() -> None:
     assert every == [{name: one[0] for name, one in each.items()} for each in found["c"][:-1]]
 
 
+@pytest.mark.acceptance  # short ones every day
 def test_long_runs_in_which_places_are_scarce() -> None:
     """Runs of many cycles, saved and restored in between: elements come and go, more than there are places for."""
     spec = loads(
@@ -196,7 +198,7 @@ def test_long_runs_in_which_places_are_scarce() -> None:
         [
             (AHEAD[0], False), (AHEAD[0], True), ("once[0.1 s, 0.5 s] o.v > 0 m/s", True), ("once[0.1 s, 0.5 s] o.v > 0 m/s", False),
             ("previous o.v > 0 m/s", False), ("previous o.v > 0 m/s", True), (KEPT, True), (KEPT, False),
-        ], 2,
+        ], 4,
     ),
 )  # fmt: skip
 def test_each_by_itself_compiles_without_a_warning(body: str, doored: bool, tmp_path: Path) -> None:

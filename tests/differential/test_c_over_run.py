@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from property.test_states import ASKED, Way, declared, guarded
 from support import run_pairs
-from support.length import AT_LENGTH, amount
+from support.length import AT_LENGTH, amount, at_length
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.diagnostics.base import Diagnostics
@@ -110,6 +110,7 @@ def test_pairs_of_elements(
         assert found["c"] == found["reference"] == found["numpy"], text
 
 
+@pytest.mark.acceptance  # short ones every day
 def test_long_runs_wrap_all_rings() -> None:
     """Windows of many cycles, in runs many times as long: rings begin anew, stacks turn, unsteady stamps fill and empty them."""
     spec = loads(
@@ -228,9 +229,9 @@ def test_what_is_about_three_elements_is_refused(operator: str) -> None:
 @pytest.mark.parametrize(
     "body",
     [
-        "once (always[0 s, 0.6 s] ego.v > 1 m/s)",
+        at_length("once (always[0 s, 0.6 s] ego.v > 1 m/s)"),
         "(always[0 s, 0.6 s] ego.w > 0 m/s) since (always[0 s, 0.6 s] ego.v > 1 m/s)",
-        "historically (eventually[0 s, 0.5 s] ego.v > 1 m/s)",
+        at_length("historically (eventually[0 s, 0.5 s] ego.v > 1 m/s)"),
         "count(eventually[0 s, 0.3 s] ego.v > 1 m/s, last: 1 s) <= 5",
     ],
 )
@@ -283,6 +284,7 @@ def test_counts_go_over_gaps() -> None:
     assert {"undefined", "satisfied", "violated", "open"} <= verdicts
 
 
+@pytest.mark.acceptance  # a Supervisor is, every day
 def test_rules_by_themselves_are_saved_in_the_middle() -> None:
     """Saved after any cycle, another run of the same program goes on as if nothing had happened; what was changed is refused."""
     spec = loads(

@@ -187,6 +187,7 @@ def everything() -> tuple[Spec, list[PreparedTest]]:
     return compiled.spec, prepare(compiled)[0]
 
 
+@pytest.mark.acceptance  # whole drawings do, every day
 def test_a_demand_by_itself_says_what_the_rule_says(everything: tuple[Spec, list[PreparedTest]]) -> None:
     """At the place that decides a test, the demand on its inputs alone has the verdict, and the margin, that the test expects of the whole rule."""
     spec, tests = everything

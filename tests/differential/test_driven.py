@@ -14,7 +14,7 @@ import pytest
 from support.agreement import compiled, read, results
 from support.generated import RandomChoices
 from support.generated.places import Road
-from support.length import amount
+from support.length import amount, shared_out
 
 NEAR = 1e-9
 SPEC = """
@@ -91,7 +91,7 @@ def case(kind: str, choices: RandomChoices) -> dict[str, Any]:
     }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", shared_out(KINDS, 2))
 def test_driven_trajectories(kind: str) -> None:
     spec = compiled(SPEC)
     cases = read(spec, [case(kind, RandomChoices(seed)) for seed in range(amount(20, 60))])

@@ -60,7 +60,7 @@ def test_a_process_remembers(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "ids"), shared_out([(2, [7, 7]), (2, []), (2, None), (2, [7]), (1, None), (1, [7, 8])], 3),
+    ("count", "ids"), shared_out([(2, [7, 7]), (2, []), (2, None), (2, [7]), (1, None), (1, [7, 8])], 6),
     ids=["alike", "empty", "none", "too few", "none of one", "too many"],
 )  # fmt: skip
 def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | None, tmp_path: Path) -> None:

@@ -134,7 +134,7 @@ def case(number: int, dice: random.Random, dirt: float) -> dict[str, Any]:
     return {"id": number, "signals": signals}
 
 
-CASES = amount(200, 400)
+CASES = amount(100, 400)
 
 
 @pytest.mark.parametrize("dirt", [0.0, 0.15])

@@ -93,7 +93,7 @@ def run(seed: int) -> list[dict[str, Any]]:
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_every_evaluator_says_the_same(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder, decided = tmp_path_factory.mktemp("whenever"), set()
-    for seed in range(amount(30, 1000)):
+    for seed in range(amount(15, 1000)):
         found = []
         for backend in ("reference", "numpy", "c"):
             one = evaluator(folder, backend)

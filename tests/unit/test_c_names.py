@@ -132,6 +132,7 @@ def test_signals_events_params_tables_and_rules(tmp_path: Path) -> None:
     agree(spec, program, given)
 
 
+@pytest.mark.acceptance  # names of declarations every day
 @needs_compiler
 def test_variables_lets_definitions_and_their_arguments(tmp_path: Path) -> None:
     """What is bound in a rule names locals of its functions, each beside the others."""

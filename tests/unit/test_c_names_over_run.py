@@ -85,7 +85,7 @@ def members(header: str) -> list[str]:
 
 @pytest.mark.parametrize(
     ("lasting", "doored"),
-    [(True, True), at_length(True, False), at_length(False, True), (False, False)],
+    [(True, True), at_length(True, False), at_length(False, True), at_length(False, False)],
 )
 def test_sets_called_like_members(tmp_path: Path, lasting: bool, doored: bool) -> None:
     plain = generated(compiled(text(["aa", "bb", "cc", "dd"], lasting, doored)), doored)

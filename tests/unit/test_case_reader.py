@@ -538,7 +538,7 @@ edits = st.lists(
 )
 
 
-@settings(max_examples=amount(35, 400), deadline=None)
+@settings(max_examples=amount(20, 400), deadline=None)
 @given(
     st.lists(edits, min_size=1, max_size=4),
     st.sampled_from(

@@ -12,6 +12,7 @@ from support.dense import braking, curve, physics, rss, sweep
 from support.dense.car import Car
 from support.dense.path import path
 from support.dense.recording import Columns, Recording, warning
+from support.length import at_length
 
 CAR = Car(4.7, 2.8, 1160.0, 7.0, 13.0, 0.854, np.array([[0.0, 6.0], [40.0, 4.0]]), 72.0)
 
@@ -40,7 +41,7 @@ def test_the_curve_between_samples_of_an_arc_is_the_arc() -> None:
 
 
 @pytest.mark.parametrize(
-    ("inner", "outer", "outside"), [(0.001, 0.001, False), (-0.002, 0.0, True), (0.0, -0.002, True)]
+    ("inner", "outer", "outside"), [(0.001, 0.001, False), (-0.002, 0.0, True), at_length(0.0, -0.002, True)]
 )
 def test_a_car_in_a_ring_leaves_the_road_by_its_corners_and_its_inner_side(inner: float, outer: float, outside: bool) -> None:  # fmt: skip
     """Its inner side reaches to R - w/2, its outer corners to the diagonal: a millimetre more is road, two less are not."""

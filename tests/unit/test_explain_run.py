@@ -148,6 +148,7 @@ def test_each_operator(explain: Callable[..., str], rule: str, at: float, expect
         assert text in out, out
 
 
+@pytest.mark.acceptance  # some of them every day
 def test_every_rule_at_every_cycle_says_something(explain: Callable[..., str]) -> None:
     for rule in ("brake", "grace", "steady", "kept", "seldom", "in_state", "pace", "before", "slow"):
         for k in range(1, len(SPEEDS), 5):

@@ -57,7 +57,7 @@ def replaced(path: Path, old: str, new: str) -> None:
 RULES = [rule.name for rule in shipped()[1].rules if rule.formula is not None]
 
 
-@pytest.mark.parametrize("name", shared_out(RULES, 16))
+@pytest.mark.parametrize("name", shared_out(RULES, 32))
 def test_a_changed_rule_makes_stale_its_own_tests(name: str, tmp_path: Path) -> None:
     before, spec = shipped()
     rule = spec.rule(name)

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from support.length import at_length
 from support.report_runs import PLACES, SPEC, cycle, evaluator, flat, other, overtaking, record, recording
 from support.shared import shared
 from trackmarshal.runtime.verdict import CaseResult, RuleResult
@@ -204,7 +205,9 @@ def test_objects_come_and_go(tmp_path: Path) -> None:
     assert objects["b"]["cycles"] == [2]
 
 
-@pytest.mark.parametrize("name", ["modena_T1_cutin_collision", "modena_T1_infeasible", "modena_T1_valid"])
+@pytest.mark.parametrize(
+    "name", ["modena_T1_cutin_collision", at_length("modena_T1_infeasible"), at_length("modena_T1_valid")]
+)
 def test_recordings_of_others(name: str) -> None:
     from support.shared import SUPERVISOR
     from trackmarshal.evaluation import Evaluator, load

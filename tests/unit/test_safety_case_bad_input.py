@@ -154,6 +154,7 @@ def test_a_requirement_without_anything_and_an_id_that_is_markup(
             assert f"has no <code>{field}</code>" in page.html
 
 
+@pytest.mark.acceptance  # what takes long
 def test_large_rules_and_bare_requirements(warehouse: Path) -> None:
     """A formula of three hundred symbols, a rule that calls forty definitions, five hundred requirements, one without anything."""
     large_rules(warehouse)

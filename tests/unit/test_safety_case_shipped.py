@@ -18,6 +18,9 @@ from support.shared import REPOSITORY
 from trackmarshal.trace.case.sections.driven import at_most
 from unit.test_safety_case_results import counted, picture, under, words
 
+#: Half a minute for the document of the whole project; every day that of a small one is made in test_safety_case.py.
+whole = pytest.mark.acceptance
+
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -30,6 +33,7 @@ def page(project: Path) -> Page:
     return html(project, expect=1)
 
 
+@whole
 def test_what_was_not_run_is_no_pass(page: Page) -> None:
     assert '<div class="verdict is-failed">' in page.first
     numbers = dict(page.numbers)
@@ -37,6 +41,7 @@ def test_what_was_not_run_is_no_pass(page: Page) -> None:
     assert numbers["nodes/test/passed"] == "0"
 
 
+@whole
 def test_numbers_are_those_of_the_graph(project: Path, page: Page) -> None:
     known = graph_numbers(project)
     counted = {id_: text for id_, text in page.numbers if id_ in known}
@@ -44,6 +49,7 @@ def test_numbers_are_those_of_the_graph(project: Path, page: Page) -> None:
     assert counted == {id_: known[id_] for id_ in counted}
 
 
+@whole
 def test_every_number_is_found_again(project: Path, page: Page) -> None:
     """Those with an id among what the graph, the kept run and the results of the closed loop count; all others in what people or the program wrote."""
     known: dict[str, str] = {}
@@ -80,11 +86,13 @@ def test_every_number_is_found_again(project: Path, page: Page) -> None:
     assert stray == [], "\n".join(stray)
 
 
+@whole
 def test_links_lead_to_places(page: Page) -> None:
     assert all(count == 1 for count in Counter(page.ids).values())
     assert {target.removeprefix("#") for target in page.targets} <= set(page.ids)
 
 
+@whole
 def test_every_rule_stands_in_its_forms(page: Page) -> None:
     parts = re.split(r'<div class="part level-3" id="rule-', page.html)[1:]
     assert str(len(parts)) == dict(page.numbers)["nodes/rule/all"]
@@ -106,6 +114,7 @@ def test_the_source_of_the_pdf_is_set(project: Path) -> None:
 # Results: every number is counted again from the evidence.
 
 
+@whole
 def test_numbers_of_the_closed_loop_are_those_of_its_results(page: Page) -> None:
     kept = json.loads((REPOSITORY / "tests/closed_loop/results.json").read_text("utf-8"))
     assert under(page, "loop/") == counted(kept["runs"])
@@ -124,6 +133,7 @@ def test_numbers_of_the_closed_loop_are_those_of_its_results(page: Page) -> None
         )
 
 
+@whole
 def test_numbers_of_a_drive_are_those_that_were_kept(page: Page) -> None:
     (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
     drive = run["drive"]
@@ -156,6 +166,7 @@ def test_how_much_may_have_been_missed(events: int, most: float) -> None:
     assert at_most(events, 0.05) == pytest.approx(most, rel=1e-4)
 
 
+@whole
 def test_rules_that_a_drive_says_nothing_of_are_named(page: Page) -> None:
     (run,) = json.loads((REPOSITORY / "specs/field/lvms.run.json").read_text("utf-8"))["items"]
     silent = [

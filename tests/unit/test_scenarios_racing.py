@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from support.length import at_length
+from support.length import at_length, shared_out
 from support.shared import REPOSITORY
 from trackmarshal import scenarios
 from trackmarshal.cli.replay import evaluator_for
@@ -68,7 +68,7 @@ def test_the_ground_truth_notices_other_rules(
     assert not outcome.uncovered
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", shared_out(NAMES, 3))
 def test_the_duels_are_what_their_declarations_generate(name: str) -> None:
     made = generate(os.fspath(FOLDER / f"{name}.yaml"))
     stored = kept(name)

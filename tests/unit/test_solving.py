@@ -52,7 +52,7 @@ def said(name: str, number: str) -> list[str]:
         at_length("no_reversing", "v", ["v_p ≥ 0"]),
         at_length("turn_radius", "kappa", ["|κ_p| ≤ 1/R_min"]),
         at_length("braking_limit", "a", ["a_p ≥ −b_max"]),
-        ("drive_acceleration", "a", ["a_p ≤ ax_max(v_p) · drive_factor − (drag · v_p²)/mass", "a_p ≤ ax_max(v_p) · drive_factor | where drag = 0"]),
+        at_length("drive_acceleration", "a", ["a_p ≤ ax_max(v_p) · drive_factor − (drag · v_p²)/mass", "a_p ≤ ax_max(v_p) · drive_factor | where drag = 0"]),
         ("A-PERCEPTION", "oldest_object", ["oldest_object ≥ age_o"]),
     ],
 )  # fmt: skip
@@ -115,9 +115,9 @@ def test_a_claim_on_part_of_the_inputs_says_which(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("condition", "wanted"),
     [
-        ("p.v <= floor(p.v0) * top", "v_p ≤ top · ⌊v0_p⌋"), ("p.v <= exp(-p.v0) * top", "v_p ≤ top/exp(v0_p)"),
-        ("p.v <= exp(1) * top", "v_p ≤ exp(1) · top"), ("p.v <= log(p.v0) * top", "v_p ≤ top · log(v0_p)"),
-        ("p.v <= tanh(p.v0) * top", "v_p ≤ top · tanh(v0_p)"), ("p.v <= (acos(p.v0) + asin(p.v0)) * top", "v_p ≤ top · (acos(v0_p) + asin(v0_p))"),
+        ("p.v <= floor(p.v0) * top", "v_p ≤ top · ⌊v0_p⌋"), at_length("p.v <= exp(-p.v0) * top", "v_p ≤ top/exp(v0_p)"),
+        at_length("p.v <= exp(1) * top", "v_p ≤ exp(1) · top"), at_length("p.v <= log(p.v0) * top", "v_p ≤ top · log(v0_p)"),
+        at_length("p.v <= tanh(p.v0) * top", "v_p ≤ top · tanh(v0_p)"), ("p.v <= (acos(p.v0) + asin(p.v0)) * top", "v_p ≤ top · (acos(v0_p) + asin(v0_p))"),
         ("p.v <= sqrt(p.v0)^3 * top", "v_p ≤ v0_p^(3/2) · top"),
     ],
 )  # fmt: skip

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from support.length import at_length
 from support.shared import REPOSITORY
 
 #: How many threads a process has after a command that evaluates with numpy.
@@ -21,7 +22,7 @@ print("threads:", len(os.listdir("/proc/self/task")), os.environ["OPENBLAS_NUM_T
 """
 
 
-@pytest.mark.parametrize("asked", [None, "2"])
+@pytest.mark.parametrize("asked", [None, at_length("2")])
 def test_a_command_has_no_threads_that_nobody_asked_for(asked: str | None) -> None:
     if not Path("/proc/self/task").is_dir():
         pytest.skip("threads are counted in /proc")
