@@ -65,6 +65,7 @@ def test_a_log_becomes_what_was_driven(tmp_path: Path) -> None:
         (lambda t: "\n".join(t.split("\n")[:15]), "D176", "14 rows", None),
         (lambda t: "\n".join(t.split("\n")[:40]), "D177", "less than ten seconds", None),
         (lambda t: "PK\x03\x04" + t, "D174", "neither", None),
+        (lambda t: "PAR1" + t, "D174", "Parquet is neither", None),
     ],
 )
 def test_a_bad_log_is_refused(tmp_path: Path, change: Any, code: str, said: str, line: int | None) -> None:
@@ -80,6 +81,10 @@ def test_a_bad_log_is_refused(tmp_path: Path, change: Any, code: str, said: str,
         (lambda t: t.replace(",", "\t"), "delimiter: 'tab'"),
         (lambda t: line(t, 7, "0,5,0,0,1,57,0,0"), "They have a point"),
         (lambda t: line(t, 7, '"0,5",0,0,1.57,0,0'), "numbers have a point: `0.5`"),
+        (lambda t: line(t, 7, '0.5,"1,234.5",0,1.57,0,0'), "no sign between thousands: `1234.5`"),
+        (lambda t: line(t, 7, "0.5,1'234,0,1.57,0,0"), "no sign between thousands: `1234`"),
+        (lambda t: line(t, 7, "0.5,1\u202f234.5,0,1.57,0,0"), "no sign between thousands: `1234.5`"),
+        (lambda t: line(t, 7, '0.5,"1,234",0,1.57,0,0'), "`1234`; and a point before decimals: `1.234`"),
     ],
 )
 def test_what_spreadsheets_write_where_numbers_have_commas(tmp_path: Path, change: Any, help: str) -> None:
@@ -90,6 +95,46 @@ def line(text: str, number: int, new: str) -> str:
     lines = text.split("\n")
     lines[number - 1] = new
     return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("begin", "kind"),
+    [
+        (b"\x89HDF\r\n\x1a\n", "HDF5"),
+        (b"\x28\xb5\x2f\xfd", "zstd"),
+        (b"\xfd7zXZ\x00", "xz"),
+        (b"BZh9", "bzip2"),
+        (b"\x93NUMPY\x01", "numpy"),
+        (b"ULog\x01", "ULog"),
+        (b"MDF     4.10", "MDF"),
+        (b"ARROW1\0\0", "Arrow"),
+    ],
+)
+def test_other_files_are_called_what_they_are(tmp_path: Path, begin: bytes, kind: str) -> None:
+    """They were told to be saved as UTF-8, or asked whether they had been cut off."""
+    error = refused(tmp_path, begin + b"\0\xff" * 200)
+    assert error.code == "D174"
+    assert kind in error.message
+    assert "CSV" in str(error.help)
+
+
+def test_a_row_without_a_number_is_in_the_way_whatever_part_is_asked_for(tmp_path: Path) -> None:
+    """`from` and `to` were named as the way out, and are none: noise is that of the whole file."""
+    declared = field_logs.MAP.replace("time: {rate: 10}", "time: {rate: 10, from: 5}")
+    text = line(field_logs.text(CLEAN), 7, "0.5,0,,1.57,0,0")
+    error = refused(tmp_path, text.encode(), declared)
+    assert error.code == "D171"
+    assert "take the row out of the file" in str(error.help)
+    where, file = field_logs.write(tmp_path, CLEAN, declared)
+    file.write_text("\n".join(row for row in text.split("\n") if ",," not in row), encoding="utf-8")
+    assert build.build(mapping.read(where), file).recording.cycles
+
+
+def test_times_that_have_lost_their_fractions(tmp_path: Path) -> None:
+    """As `sec` of a ROS stamp, or 1.7e9 with six digits: no row is one too many, and sorting does not help."""
+    error = refused(tmp_path, field_logs.text({**CLEAN, "time": np.floor(CLEAN["time"])}).encode())
+    assert error.code == "D172"
+    assert "fractions" in str(error.help)
 
 
 def test_bytes_that_are_no_text(tmp_path: Path) -> None:
@@ -197,6 +242,20 @@ def test_conventions_and_units(tmp_path: Path) -> None:
     assert found.t == pytest.approx(ring["time"], abs=1e-6)
 
 
+def test_units_that_logs_have_and_specs_do_not(tmp_path: Path) -> None:
+    """Stamps of ROS count nanoseconds since 1970; messages named mph, and took none."""
+    other = {**CLEAN, "v": CLEAN["v"] / 0.44704}
+    rows = field_logs.text(other).split("\n")
+    for i, t in enumerate(CLEAN["time"], start=1):
+        rows[i] = f"{1_700_000_000_000_000_000 + round(t * 1e9)},{rows[i].partition(',')[2]}"
+    declared = field_logs.MAP.replace("time, unit: s", "time, unit: ns").replace("unit: m/s}", "unit: mph}")
+    where, file = field_logs.write(tmp_path, other, declared)
+    file.write_text("\n".join(rows), encoding="utf-8")
+    found = log.read(mapping.read(where), file)
+    assert found.t == pytest.approx(CLEAN["time"], abs=1e-6)
+    assert found.v == pytest.approx(CLEAN["v"], abs=1e-5)
+
+
 def test_mcap(tmp_path: Path) -> None:
     """Two topics at other rates; what the slower one said last counts, as long as it is not older than `hold`."""
     writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
@@ -250,6 +309,31 @@ def test_mcap(tmp_path: Path) -> None:
             log.read(mapping.read(where), tmp_path / "log.mcap")
         except TrackmarshalError as refusal:
             assert refusal.code in ("D126", "D170", "D171", "D172", "D173", "D174", "D176")
+
+
+def test_a_stamp_of_two_numbers(tmp_path: Path) -> None:
+    """`sec` and `nanosec` of a header are no number together; the time that a message was logged at is one."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    declared = field_logs.MAP
+    for name in ("time", "x", "y", "heading", "v", "yaw"):
+        way = "header.stamp" if name == "time" else name
+        declared = declared.replace(f"column: {name},", f"column: /odom.{way},")
+    where, path = field_logs.write(tmp_path, CLEAN, declared)
+    with path.open("wb") as file:
+        writer = writing.Writer(file)
+        writer.start()
+        channel = writer.register_channel("/odom", "json", 0)
+        message = (
+            {"header": {"stamp": {"sec": 1, "nanosec": 2}}}
+            | dict.fromkeys("xyv", 0)
+            | {"heading": 0, "yaw": 0}
+        )
+        writer.add_message(channel, 0, json.dumps(message).encode(), 0)
+        writer.finish()
+    with pytest.raises(TrackmarshalError) as error:
+        log.read(mapping.read(where), path)
+    assert error.value.code == "D171"
+    assert "`/odom.log_time`" in str(error.value.help)
 
 
 def test_changed_bytes_are_read_or_refused(tmp_path: Path) -> None:

@@ -156,8 +156,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D171": (
         "a row of a log that cannot be read",
-        "Every cell that a mapping asks for is a finite number, and every row has as many cells as the first. A missing number is not guessed: leave "
-        "out that part of the log, or mend it.",
+        "Every cell that a mapping asks for is a finite number, and every row has as many cells as the first. A missing number is not guessed: take "
+        "the row out of the file, or mend it; `from` and `to` of the mapping leave it in, since noise is that of the whole log.",
     ),
     "D172": (
         "a log whose time does not go on",

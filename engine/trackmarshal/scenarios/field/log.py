@@ -13,10 +13,17 @@ from numpy.typing import NDArray
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import table
-from trackmarshal.scenarios.field.mapping import Border, Column, Mapping, Named
-from trackmarshal.units import parse_unit
+from trackmarshal.scenarios.field.mapping import Border, Column, Mapping, Named, unit_of
 
 Floats = NDArray[np.float64]
+#: What files begin with in which logs are kept too, and what they are.
+_OTHERS = {
+    b"PK\x03\x04": "an archive (zip, npz, xlsx)", b"SQLite format 3": "a database (SQLite, a bag of ROS 2)", b"#ROSBAG": "a bag of ROS 1",
+    b"PAR1": "Parquet", b"ARROW1": "Arrow", b"\xff\xff\xff\xff": "Arrow", b"\x89HDF\r\n": "HDF5", b"\x93NUMPY": "an array of numpy",
+    b"MATLAB 5.0": "a file of MATLAB", b"MDF  ": "MDF", b"ULog": "ULog", b"\x28\xb5\x2f\xfd": "what zstd packed",
+    b"\xfd7zXZ": "what xz packed", b"BZh": "what bzip2 packed",
+}  # fmt: skip
+_OTHER_HELP = "export the log as CSV (gzip may pack it) or as MCAP with JSON"
 #: Fewer rows are no log of a drive.
 _FEWEST = 20
 #: A gap in time that is longer than this, s, is a part of the log that is missing.
@@ -55,12 +62,13 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
 
     if data.startswith(mcap_log.MAGIC):
         columns, lines = mcap_log.read(data, shown, mapping.columns, mapping.hold)
-    elif data.startswith((b"PK\x03\x04", b"SQLite format 3", b"#ROSBAG")):
+    elif data.startswith(tuple(_OTHERS)):
+        kind = next(kind for begin, kind in _OTHERS.items() if data.startswith(begin))
         raise TrackmarshalError(
             "D174",
-            "neither delimited text nor MCAP",
+            f"{kind} is neither delimited text nor MCAP",
             file=shown,
-            help="export the log as CSV or as MCAP with JSON",
+            help=_OTHER_HELP,
         )
     else:
         columns, lines = table.read(data, shown, mapping.columns, mapping.delimiter)
@@ -111,7 +119,7 @@ def border(mapping: Mapping, named: Border) -> list[list[float]]:
 
 
 def _si(values: Floats, column: Column) -> Floats:
-    multiplier, divisor, _ = parse_unit(column.unit)
+    multiplier, divisor, _ = unit_of(column.unit)
     return values * multiplier / divisor
 
 
@@ -125,13 +133,11 @@ def _in_order(t: Floats, lines: NDArray[np.int64], shown: str) -> None:
     if len(bad):
         place = int(bad[0]) + 1
         message = f"time {t[place]:.6f} s does not come after {t[place - 1]:.6f} s"
-        raise TrackmarshalError(
-            "D172",
-            message,
-            file=shown,
-            line=int(lines[place]),
-            help="sort the rows, and keep one of each time",
-        )
+        help_ = "sort the rows, and keep one of each time"
+        if steps[place - 1] == 0.0 and not np.any(t % 1.0):
+            # of two rows, none is one too many: the column is `sec` of a stamp, or was written with too few digits
+            help_ = "all times are whole seconds: take a column that has their fractions, too"
+        raise TrackmarshalError("D172", message, file=shown, line=int(lines[place]), help=help_)
     gaps = np.flatnonzero(steps > _LONGEST_GAP)
     if len(gaps):
         place = int(gaps[0]) + 1
@@ -168,7 +174,7 @@ def _fits(log: Log, shown: str) -> None:
             for f, text in (
                 (3.6, "km/h"),
                 (1 / 3.6, "m/s"),
-                (2.2369, "a unit that is not known here, mph"),
+                (2.2369, "mph"),
                 (1000.0, "mm/s"),
             )
         ]

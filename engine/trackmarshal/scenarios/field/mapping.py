@@ -20,6 +20,8 @@ _HASH_LENGTH = 64
 COLUMNS: dict[str, Dimension] = {
     "t": TIME, "x": METRES, "y": METRES, "heading": NUMBER, "v": SPEED, "yaw_rate": over(NUMBER, TIME),
 }  # fmt: skip
+#: What is written in logs and not in specs: multiplier and divisor to SI, as of `parse_unit`, and dimension. A mile is 1609.344 m.
+OF_LOGS: dict[str, tuple[float, float, Dimension]] = {"ns": (1.0, 1e9, TIME), "mph": (1397.0, 3125.0, SPEED)}
 NEEDED = ("t", "x", "y", "heading", "v")
 #: The direction of a heading of zero, as an angle from +x in quarter turns.
 ZEROS = {"+x": 0, "+y": 1, "-x": 2, "-y": 3}
@@ -105,6 +107,11 @@ class Mapping:
     given: dict[str, tuple[float, str]] = field(default_factory=dict)
 
 
+def unit_of(text: str) -> tuple[float, float, Dimension]:
+    """A unit of a log to (multiplier, divisor, dimension), see `parse_unit`; raises ValueError as it does."""
+    return OF_LOGS[text] if text in OF_LOGS else parse_unit(text)
+
+
 def read(path: Path, shown: str | None = None) -> Mapping:
     """Read a mapping; raises D120, D124, D126, D150 and D151, with the line."""
     shown = shown or str(path)
@@ -169,9 +176,9 @@ def _columns(item: Item) -> tuple[dict[str, Column], int, int]:
 def _column(item: Item, unit: Item, dimension: Dimension) -> Column:
     text = unit.text()
     try:
-        actual = parse_unit(text)[2]
+        actual = unit_of(text)[2]
     except ValueError as error:
-        help_ = "units are written as in specs: m, km/h, deg, rad/s, us, ..."
+        help_ = f"units are written as in specs: m, km/h, deg, rad/s, us, ...; and {', '.join(OF_LOGS)}"
         raise unit.wrong(f"`{error}` is not a unit", help_) from error
     if actual != dimension:
         wanted = {METRES: "m", TIME: "s", SPEED: "m/s", NUMBER: "rad"}.get(dimension, "rad/s")

@@ -146,7 +146,9 @@ def _value(latest: tuple[int, Any], way: tuple[str, ...], topic: str, shown: str
         or not abs(value) < 1e300
         or not math.isfinite(value)
     ):
-        help_ = "leave out that part of the log, or mend it; a missing number is not guessed"
+        help_ = "take the message out of the log, or mend it; a missing number is not guessed"
+        if isinstance(value, dict) and value.keys() >= {"sec"}:
+            help_ = f"a stamp of two numbers is none: `{topic}.{LOG_TIME}` is when the message was logged"
         raise _wrong(f"`{topic}.{'.'.join(way)}` is {value!r:.40}, no finite number", shown, number, help_)
     return float(value)
 

@@ -24,6 +24,9 @@ _DELIMITERS = {",": ",", ";": ";", "tab": "\t"}
 _LONGEST = 1000
 #: A number as it is written where the comma stands before decimals.
 _COMMA = re.compile(r"[-+]?\d{0,20},\d{1,20}([eE][-+]?\d{1,3})?")
+#: What stands between thousands: commas, apostrophes, blanks; and a number that is written so.
+_SIGNS = r"[,'\u2019 \u00a0\u2009\u202f]"
+_GROUPED = re.compile(rf"[-+]?[1-9]\d{{0,2}}({_SIGNS}\d{{3}}){{1,6}}(\.\d{{0,20}})?")
 
 
 def read(
@@ -122,10 +125,13 @@ def _number(cells: list[str], place: int, shown: str, line: int) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        help_ = (
-            "leave out that part of the log (`time`: from, to), or mend it; a missing number is not guessed"
-        )
-        if _COMMA.fullmatch(cell):
+        # `from` and `to` of the mapping are no way out: noise is that of the whole file
+        help_ = "take the row out of the file, or mend it; a missing number is not guessed"
+        if _GROUPED.fullmatch(cell):
+            help_ = f"numbers have no sign between thousands: `{re.sub(_SIGNS, '', cell)}`"
+            if cell.count(",") == 1 and "." not in cell:  # who writes so may mean either
+                help_ += f"; and a point before decimals: `{cell.replace(',', '.')}`"
+        elif _COMMA.fullmatch(cell):
             help_ = f"numbers have a point: `{cell.replace(',', '.')}`"
         raise _wrong(f"column {place + 1}: {cell!r:.40} is no finite number", shown, line, help_)
     return value
