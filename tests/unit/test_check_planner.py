@@ -253,6 +253,40 @@ def test_no_other_vehicle_is_lost_silently(spec: Spec) -> None:
     assert '"objects": None,  # TODO' in none.adapter
 
 
+def test_objects_by_their_ids(spec: Spec) -> None:
+    """A mapping by id was said to keep the contract as it is, and the adapter for it raised."""
+
+    def by_id(raw: dict[str, Any], number: int) -> None:
+        raw["objects"] = {one.pop("id"): one for one in raw["objects"]}
+        raw["obstacles"] = {"c": {"x": 1.0, "y": 2.0, "heading": 0.5, "length": 0.3, "width": 0.3}}
+
+    raws = broken(by_id)
+    report = tm.check_planner(raws, spec, header=recorded()[1])
+    assert not report.fits
+    assert report.convertible
+    assert "`objects` is a mapping by id" in str(report)
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    signals = scope["cycle_of"](0, raws[0]).signals
+    listed = tm.check_planner(recorded()[0], spec, header=recorded()[1])
+    assert signals["objects"] == report.cycles[0].signals["objects"] == listed.cycles[0].signals["objects"]
+    assert signals["obstacles"][0]["id"] == "c"
+
+
+def test_a_second_list_of_others_is_not_lost_silently(spec: Spec) -> None:
+    """One list is taken; of the other one nothing was said, and the adapter left it out."""
+
+    def more(raw: dict[str, Any], number: int) -> None:
+        raw["pedestrians"] = [{"id": "p", "x": 1.0, "y": 2.0, "heading": 0.5, "v": 1.0}]
+        raw["lights"] = [{"id": "l", "x": 1.0, "y": 2.0}]
+
+    report = tm.check_planner(broken(more), spec, header=recorded()[1])
+    assert report.mapped.objects == "objects"
+    assert not report.convertible
+    assert "`pedestrians` has places and speeds as other vehicles have, and is not taken" in str(report)
+    assert ("note", "`lights` has places, and is not taken") in {(f.level, f.words) for f in report.findings}
+
+
 def test_obstacles_by_their_names(spec: Spec) -> None:
     cone = {"id": "c", "x": 1.0, "y": 2.0, "heading": 0.5, "length": 0.3, "width": 0.3}
     report = tm.check_planner(broken(lambda raw, n: raw.update(obstacles=[cone])), spec, header=recorded()[1])

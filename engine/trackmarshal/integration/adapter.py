@@ -61,17 +61,13 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
         source = _get("cycle", made.ego) if made.ego else "cycle"
         lines.append(f'        "ego": {_record(made.ego_fields, source)},')
     if made.objects is not None:
-        lines.append(
-            f'        "objects": [{_record(made.object_fields, "one")} for one in {_get("cycle", made.objects)}],'
-        )
+        lines.append(f'        "objects": {_set(made, made.objects, made.object_fields)},')
     elif made.no_objects is not None:
         lines.append(f'        "objects": others({_get("cycle", made.no_objects)}),')
     else:
         lines.append('        "objects": None,  # TODO: other vehicles, also where there are none')
     if made.obstacles is not None:
-        lines.append(
-            f'        "obstacles": [{_record(made.obstacle_fields, "one")} for one in {_get("cycle", made.obstacles)}],'
-        )
+        lines.append(f'        "obstacles": {_set(made, made.obstacles, made.obstacle_fields)},')
     else:
         lines.append('        "obstacles": [],  # TODO: what stands on the road')
     if made.left is not None and made.right is not None and not in_header:
@@ -116,6 +112,13 @@ def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
 
 def _record(fields: Mapping[str, Column], source: str) -> str:
     return "{" + ", ".join(f'"{n}": {c.code(f"{source}[{c.column!r}]")}' for n, c in fields.items()) + "}"
+
+
+def _set(made: Mapped, path: str, fields: Mapping[str, Column]) -> str:
+    source = _get("cycle", path)
+    if path in made.keyed:
+        source = f'[{{"id": name, **one}} for name, one in {source}.items()]'
+    return f"[{_record(fields, 'one')} for one in {source}]"
 
 
 def _shape(made: Mapped, raws: list[Any]) -> str:

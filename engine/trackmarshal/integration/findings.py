@@ -11,6 +11,7 @@ import numpy as np
 
 from trackmarshal.integration.mapped import HELPERS, Mapped
 from trackmarshal.integration.mapping import UNSURE, Column
+from trackmarshal.integration.records import placed
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
@@ -108,6 +109,15 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
     ):
         for field, column in fields.items():
             yield from _of_column(f"{where}.{field}", column)
+    for where, taken in (("objects", made.objects), ("obstacles", made.obstacles)):
+        if taken is not None and taken in made.keyed:
+            words = f"`{taken}` is a mapping by id, and the contract's is a list of records"
+            yield Finding(
+                "convert",
+                where,
+                words,
+                f'[{{"id": name, **one}} for name, one in {taken.rpartition(".")[2]}.items()]',
+            )
     if made.ego is None:
         yield Finding(
             "broken",
@@ -136,6 +146,14 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
                 yield Finding(
                     "broken", f"objects.{field}", f"`{made.objects}` has nothing that is called like it"
                 )
+    for path, named in placed(made.founds).items():
+        if path in (made.objects, made.obstacles):
+            continue
+        words = f"`{path}` has places and speeds as other vehicles have, and is not taken: the adapter would be blind to it"
+        if "v" in named:
+            yield Finding("broken", "objects", words, "send all that moves in one list")
+        else:
+            yield Finding("note", "objects", f"`{path}` has places, and is not taken")
     if made.obstacles is None:
         words = "no set of what stands on the road was found; an empty one is taken"
         yield Finding(

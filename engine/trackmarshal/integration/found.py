@@ -29,6 +29,8 @@ class Found:
     sets: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     lines: dict[str, Array] = field(default_factory=dict)
     uneven: list[tuple[str, str, int, int]] = field(default_factory=list)
+    #: Paths of sets that are mappings of records by their ids.
+    keyed: dict[str, None] = field(default_factory=dict)
     #: Paths of lists without an entry.
     empty: dict[str, None] = field(default_factory=dict)
 
@@ -66,6 +68,7 @@ def _mapping(value: Mapping[Any, Any], path: str, found: Found, depth: int) -> N
     children = [(name, item) for name, item in value.items() if isinstance(item, Mapping)]
     if len(children) >= 1 and all(_is_object(item) for _, item in children) and _plural(path):
         found.sets[path] = [{"id": str(name), **item} for name, item in children]
+        found.keyed[path] = None
         return
     for name, item in value.items():
         if str(name) not in columns or len(columns) < 3:

@@ -48,6 +48,8 @@ class Mapped:
     no_objects: str | None = None
     obstacles: str | None = None
     obstacle_fields: dict[str, Column] = field(default_factory=dict)
+    #: Of objects and obstacles, which are mappings by id: the contract's are lists.
+    keyed: set[str] = field(default_factory=set)
     left: str | None = None
     right: str | None = None
     #: Where borders come once, before the cycles.
@@ -160,6 +162,8 @@ def read(
     standing = records.obstacles(made.founds, made.objects)
     if standing is not None:
         made.obstacles, made.obstacle_fields = standing
+    there = [path for path in (made.objects, made.obstacles) if path is not None]
+    made.keyed = {path for path in there if any(path in one.keyed for one in made.founds)}
     made.left, made.right = _borders(made)
     return made
 

@@ -91,17 +91,24 @@ def speed_unit(values: Array, speeds: Array, column: Column, what: str = "the pl
     return Column("v", column.column, unit, SPEEDS[unit], said=f"{r.factor:.4g} times the speed of {what}")
 
 
+def placed(cycles: list[Found]) -> dict[str, dict[str, str]]:
+    """The sets of what has a place, and which of its fields is called like which, in the order of the cycles."""
+    found: dict[str, dict[str, str]] = {}
+    for path in dict.fromkeys(path for one in cycles for path in one.sets):
+        first = next((item for one in cycles for item in one.sets.get(path, ())), {})
+        named = by_names([str(n) for n in first], ("id", "x", "y", "heading", "v", "length", "width", "age"))
+        if "x" in named and "y" in named:
+            found[path] = named
+    return found
+
+
 def objects(cycles: list[Found], times: list[float]) -> tuple[str, dict[str, Column]] | None:
     """The set of other vehicles, with its fields: by names, and by how each moves from cycle to cycle."""
-    ranked = []
-    for path in {path for one in cycles for path in one.sets}:
-        records = [item for one in cycles for item in one.sets.get(path, ())]
-        if records:
-            named = by_names(
-                [str(n) for n in records[0]], ("id", "x", "y", "heading", "v", "length", "width", "age")
-            )
-            if "x" in named and "y" in named and "v" in named:
-                ranked.append((likeness(path.rpartition(".")[2], "objects"), path, named))
+    ranked = [
+        (likeness(path.rpartition(".")[2], "objects"), path, named)
+        for path, named in placed(cycles).items()
+        if "v" in named
+    ]
     if not ranked:
         return None
     _, path, named = max(ranked, key=lambda one: one[0])
@@ -118,8 +125,8 @@ def objects(cycles: list[Found], times: list[float]) -> tuple[str, dict[str, Col
 
 def obstacles(cycles: list[Found], taken: str | None) -> tuple[str, dict[str, Column]] | None:
     """The set of what stands still, by its name and those of its fields."""
-    for path in {path for one in cycles for path in one.sets} - {taken}:
-        if likeness(path.rpartition(".")[2], "obstacles") < 0.8:
+    for path in dict.fromkeys(path for one in cycles for path in one.sets):
+        if path == taken or likeness(path.rpartition(".")[2], "obstacles") < 0.8:
             continue
         items = [item for one in cycles for item in one.sets.get(path, ())]
         named = by_names([str(n) for n in items[0]], ("id", "x", "y", "heading", "length", "width"))
