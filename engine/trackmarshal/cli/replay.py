@@ -333,12 +333,14 @@ def run_one(
 ) -> Replay:
     """Replay with a progress bar. brief: for a `summary` alone. keep: for pages, which explain it."""
     from trackmarshal.scenarios.fields import unnamed_track
+    from trackmarshal.scenarios.motion import contradictions
     from trackmarshal.scenarios.overrides import unknown_params
     from trackmarshal.scenarios.replay import replay
 
-    unnamed = unnamed_track(recording, evaluator)
-    if unnamed and not quiet:
-        say(f"note: {recording.name}: {unnamed}", file=sys.stderr)
+    if not quiet:
+        unnamed = unnamed_track(recording, evaluator)
+        for told in [*([unnamed] if unnamed else []), *contradictions(recording)]:
+            say(f"note: {recording.name}: {told}", file=sys.stderr)
     outcome = replay(
         recording, evaluator, lambda chunks: progress(chunks, recording.name, quiet), brief, keep
     )
