@@ -253,6 +253,26 @@ def test_no_other_vehicle_is_lost_silently(spec: Spec) -> None:
     assert '"objects": None,  # TODO' in none.adapter
 
 
+def mirrored(raw: dict[str, Any], number: int) -> None:
+    """The cycle in NED, or any other frame with y to the right of x: all of it fits together."""
+    for one in [*raw["candidates"].values(), raw["ego"], *raw["objects"]]:
+        for name in {"y", "heading", "kappa"} & one.keys():
+            one[name] = [-z for z in one[name]] if isinstance(one[name], list) else -one[name]
+
+
+def test_borders_on_the_other_side(spec: Spec) -> None:
+    """A mirrored planner kept the contract as it is, with the zones and lines of a track where it never drives."""
+    borders = recorded()[1]
+    turned = {side: [[x, -y] for x, y in points] for side, points in borders.items()}
+    for raws, header in (
+        (broken(mirrored), turned),
+        (recorded()[0], {"left": borders["right"], "right": borders["left"]}),
+    ):
+        report = tm.check_planner(raws, spec, header=header)
+        assert not report.convertible
+        assert "`left` is on the right of the plan and `right` on its left, in 60 of 60 cycles" in str(report)
+
+
 def test_objects_by_their_ids(spec: Spec) -> None:
     """A mapping by id was said to keep the contract as it is, and the adapter for it raised."""
 

@@ -242,6 +242,30 @@ def test_conventions_and_units(tmp_path: Path) -> None:
     assert found.t == pytest.approx(ring["time"], abs=1e-6)
 
 
+def test_borders_are_on_the_sides_that_they_are_called_after(tmp_path: Path) -> None:
+    """Exchanged, or all of it in a frame with y to the right of x: nothing fired, and zones of the track were somewhere else."""
+    swapped = field_logs.MAP.replace("left.csv", "other.csv").replace("right.csv", "left.csv")
+    error = refused(tmp_path, declared=swapped.replace("other.csv", "right.csv"))
+    assert error.code == "D173"
+    assert "NED" in str(error.help)
+    ned = {
+        **CLEAN, "x": CLEAN["y"], "y": CLEAN["x"], "heading": np.pi / 2 - CLEAN["heading"], "yaw": -CLEAN["yaw"]
+    }  # fmt: skip
+    where, file = field_logs.write(tmp_path, ned, field_logs.MAP.replace("x: 1, y: 2", "x: 2, y: 1"))
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where), file)
+    assert found.value.code == "D173"
+    assert "the left border is on the right" in found.value.message
+
+
+def test_who_drives_the_wrong_way_is_for_a_rule_to_say(tmp_path: Path) -> None:
+    """The left border is right of a car that drives against it."""
+    where, file = field_logs.write(tmp_path, CLEAN)
+    (tmp_path / "left.csv").write_text("10,400\n10,-50\n", encoding="utf-8")
+    (tmp_path / "right.csv").write_text("-10,400\n-10,-50\n", encoding="utf-8")
+    assert build.build(mapping.read(where), file).recording.cycles
+
+
 def test_units_that_logs_have_and_specs_do_not(tmp_path: Path) -> None:
     """Stamps of ROS count nanoseconds since 1970; messages named mph, and took none."""
     other = {**CLEAN, "v": CLEAN["v"] / 0.44704}

@@ -17,6 +17,8 @@ from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.door.door import Door
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.scenarios.field.log import MOVING
+from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
 
 #: A fault at the door -> what to do.
 ADVICE = {
@@ -205,6 +207,26 @@ def of_motion(made: Mapped, times: Sequence[float]) -> Iterator[Finding]:
             "no car brakes so: tm.cut_at_rest(columns), before it is sent to the Supervisor and driven",
         )  # fmt: skip
     yield from _repeats(made, driving)
+    yield from _sides(made, driving)
+
+
+def _sides(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
+    """Borders on the other side of the plan than they are called after."""
+    wrong = looked = 0
+    for place, plan in enumerate(driving):
+        left, right = made.border(place, made.left), made.border(place, made.right)
+        if left is None or right is None or plan is None or not {"x", "y", "heading", "v"} <= plan.keys():
+            continue
+        if not plan["v"][0] > MOVING or not np.isfinite([left.sum(), right.sum()]).all():
+            continue
+        found = exchanged(plan["x"][:1], plan["y"][:1], plan["heading"][:1], left, right)
+        wrong, looked = wrong + found[0], looked + found[1]
+    if are_exchanged(wrong, looked):
+        yield Finding(
+            "broken", "track", f"`{made.left}` is on the right of the plan and `{made.right}` on its left, in {wrong} of {looked} cycles",
+            "exchange them; or, where y is to the right of x (NED, or a left-handed frame), exchange x and y, or turn y round: zones and lines of a track are "
+            "where y is to the left",
+        )  # fmt: skip
 
 
 def _repeats(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:

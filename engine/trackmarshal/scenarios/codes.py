@@ -165,8 +165,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D173": (
         "a log that contradicts its mapping",
-        "Speed, heading and yaw rate are held against the positions. Where they are apart by more than noise can be, a unit or a convention in the "
-        "mapping is not that of the log, and everything that rules would say of it would mean something else.",
+        "Speed, heading and yaw rate are held against the positions, and these against the borders, of which the left one is on the left of a car that "
+        "drives along it. Where they are apart by more than noise can be, a unit or a convention in the mapping is not that of the log, and everything that rules would say of it would mean something else.",
     ),
     "D174": (
         "a log of a kind that is not read",

@@ -16,14 +16,17 @@ from trackmarshal.scenarios.field import candidates, smoother
 from trackmarshal.scenarios.field import log as logs
 from trackmarshal.scenarios.field.candidates import Braking
 from trackmarshal.scenarios.field.header import given
-from trackmarshal.scenarios.field.log import Log
+from trackmarshal.scenarios.field.log import MOVING, Log
 from trackmarshal.scenarios.field.mapping import Mapping
 from trackmarshal.scenarios.field.noise import Noise, estimate
+from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
 from trackmarshal.scenarios.field.smoother import Motion
 from trackmarshal.scenarios.inputs import filled
 from trackmarshal.scenarios.recording import Cycle, Recording
 
 Floats = NDArray[np.float64]
+#: Poses that are held against the borders.
+_LOOKED_AT = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +63,7 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     motion = smoother.smooth(log, noise) if smooth else as_logged(log)
     borders = [logs.border(mapping, border) for border in mapping.track]
     rows = _cycles(mapping, log)
+    _on_their_sides(log, rows, borders)
     times = log.t[rows]
     driven = candidates.driving(motion, times, mapping.horizon, mapping.step)
     braking = _braking(mapping)
@@ -90,6 +94,20 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
         of_specs=repr(braking), **given(mapping),
     )  # fmt: skip
     return Drive(mapping, log, noise, motion, filled(recording), name, _sources(mapping, log))
+
+
+def _on_their_sides(log: Log, rows: NDArray[np.int64], borders: list[list[list[float]]]) -> None:
+    """Raise D173 where the left border is right of the car that drives along it: in a frame that is mirrored, zones are elsewhere."""
+    moving = rows[log.v[rows] > MOVING]
+    some = moving[:: max(1, len(moving) // _LOOKED_AT)]
+    left, right = (np.array(border) for border in borders)
+    if are_exchanged(*exchanged(log.x[some], log.y[some], log.heading[some], left, right)):
+        raise TrackmarshalError(
+            "D173",
+            "the left border is on the right of the car, and the right one on its left",
+            file=log.path,
+            help="exchange them in the mapping; or is y to the right of x, as in NED? Then x is north, and y is east",
+        )
 
 
 def as_logged(log: Log) -> Motion:

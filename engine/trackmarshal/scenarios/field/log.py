@@ -29,7 +29,7 @@ _FEWEST = 20
 #: A gap in time that is longer than this, s, is a part of the log that is missing.
 _LONGEST_GAP = 1.0
 #: m/s: slower, a car's direction of travel is not seen in its positions.
-_MOVING = 2.0
+MOVING = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,9 +158,9 @@ def _fits(log: Log, shown: str) -> None:
     dt = log.t[lag:] - log.t[:-lag]
     seen = np.hypot(dx, dy) / dt
     said = 0.5 * (log.v[lag:] + log.v[:-lag])
-    moving = seen > _MOVING
+    moving = seen > MOVING
     if np.count_nonzero(moving) < _FEWEST:
-        if np.median(np.abs(said)) > _MOVING:
+        if np.median(np.abs(said)) > MOVING:
             raise _contradicts(
                 "the speed column says that it drives, the positions do not move",
                 shown,
