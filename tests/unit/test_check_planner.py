@@ -391,6 +391,27 @@ def test_nothing_to_look_at_is_refused(spec: Spec, tmp_path: Path) -> None:
     assert (caught.value.code, caught.value.line) == ("D195", 2)
 
 
+@pytest.mark.parametrize("data", [b"t,x,y\n0,1,2\n", b"\x89MCAP0\r\n", b"PAR1\x15\x04", b"\xff\xfet\0,\0"])
+def test_a_log_is_told_where_to_go(spec: Spec, tmp_path: Path, data: bytes) -> None:
+    """It was to be saved as UTF-8, or expected a value at character 1."""
+    (tmp_path / "log").write_bytes(data)
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        tm.check_planner(tmp_path / "log", spec)
+    assert caught.value.code == "D195"
+    assert "import log" in str(caught.value.help)
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        tm.load_recording(tmp_path / "log")
+    assert caught.value.code == "D121"
+    assert "import log" in str(caught.value.help)
+
+
+def test_an_archive_of_numpy_is_none_of_scenarios(tmp_path: Path) -> None:
+    np.savez(tmp_path / "log.npz", t=np.arange(3.0))
+    with pytest.raises(tm.TrackmarshalError) as caught:
+        tm.load_recording(tmp_path / "log.npz")
+    assert "import log" in str(caught.value.help)
+
+
 def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, adapter = tmp_path / "cycles.jsonl", tmp_path / "adapter.py"
     header = {"format": "ours", **recorded()[1]}

@@ -185,6 +185,15 @@ def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         return rows, {"track": recording.track}
     if data.startswith(b"\x1f\x8b"):
         data = content.gunzip(data, str(path))
+    if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"[", b""):
+        raise TrackmarshalError(
+            "D195",
+            "this is no JSON",
+            file=str(path),
+            line=1,
+            help="cycles are JSON Lines, an object a cycle: docs/integration.md has a program that writes them; "
+            "`trackmarshal import log` takes a car's log (CSV, MCAP)",
+        )
     raws: list[dict[str, Any]] = []
     header: dict[str, Any] = {}
     for number, line in enumerate(content.text(data, str(path)).split("\n"), start=1):

@@ -64,7 +64,10 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
         if archived.is_archived(data):
             return archived.load(path, shown)
         return generate(path, shown)
-    help_ = "recordings are .saa or .tmrec.jsonl (also .gz), declarations .yaml"
+    help_ = (
+        "recordings are .saa or .tmrec.jsonl (also .gz), declarations .yaml; "
+        "`trackmarshal import log` makes one of a car's log (CSV, MCAP)"
+    )
     if suffix == ".sas":
         help_ = "a .sas is a pickle and never opened; use the .saa archive that it came with"
     raise TrackmarshalError("D121", f"`{path.name}` is no recording", file=shown, help=help_)

@@ -29,6 +29,8 @@ _TRUTHS = {"safety_dyn": "dynamic", "safety_stat": "static"}
 _NEEDED = ("time", *_STATE, *_PLANS, "object_array")
 _OBJECT = ("x", "y", "heading", "v", "length", "width")
 _EXPORT = "export it anew with ScenarioArchitect"
+#: Of npz, xlsx and what else is packed as those archives are.
+_NO_ARCHIVE = "of archives, those of ScenarioArchitect (.saa) are read; `trackmarshal import log` makes a recording of a car's log (CSV, MCAP)"
 
 
 def read(data: bytes, shown: str) -> Recording:
@@ -41,7 +43,8 @@ def read_with(data: bytes, shown: str, wanted: Iterable[str]) -> tuple[Recording
     archive = Archive(data, shown)
     name = archive.name_of(".scn")
     if name is None:
-        raise TrackmarshalError("D123", "no part of the archive ends in .scn", file=shown, help=_EXPORT)
+        help_ = _EXPORT if PurePath(shown).suffix.lower() == ".saa" else _NO_ARCHIVE
+        raise TrackmarshalError("D123", "no part of the archive ends in .scn", file=shown, help=help_)
     inside = f"{shown}!{name}"
     tables = saa_tables.read(archive)
     params, because = allowances(tables)
