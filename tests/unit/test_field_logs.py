@@ -335,6 +335,13 @@ def test_mcap(tmp_path: Path) -> None:
             assert refusal.code in ("D126", "D170", "D171", "D172", "D173", "D174", "D176")
 
 
+def test_seconds_that_are_called_milliseconds(tmp_path: Path) -> None:
+    """The log lasts for 30 ms then: that is too short to tell anything, and no reason to declare its noise."""
+    error = refused(tmp_path, declared=field_logs.MAP.replace("time, unit: s", "time, unit: ms"))
+    assert error.code == "D177"
+    assert "unit of time" in str(error.help)
+
+
 def test_a_stamp_of_two_numbers(tmp_path: Path) -> None:
     """`sec` and `nanosec` of a header are no number together; the time that a message was logged at is one."""
     writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")

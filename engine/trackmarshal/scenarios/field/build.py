@@ -141,7 +141,7 @@ def _noise(mapping: Mapping, log: Log) -> Noise:
         return Noise(**mapping.noise)
     except TypeError:
         message = "the car moves for less than ten seconds: that tells nothing of its noise"
-        help_ = "declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
+        help_ = "is the unit of time right? Else declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
         raise TrackmarshalError("D177", message, file=mapping.source, help=help_) from None
 
 
