@@ -13,6 +13,7 @@ import pytest
 from support import planner_runs
 from support.dense import car, compare, recording
 from support.dense.facts import Facts, facts
+from support.length import at_length
 from support.shared import shared
 
 pytestmark = pytest.mark.verifies("S-1-A-2", "S-1-A-4", "S-1-A-5")
@@ -23,7 +24,7 @@ TAKE_UP: Collection[str] = ("take_up",)
 
 SOME, ALL = 23, 1
 EVERYTHING = [pytest.param(name, ALL, marks=pytest.mark.acceptance) for name in recording.NAMES]
-CASES = [("berlin", SOME), ("modena_cars", SOME), *EVERYTHING]
+CASES = [at_length("berlin", SOME), ("modena_cars", SOME), *EVERYTHING]
 
 
 @cache

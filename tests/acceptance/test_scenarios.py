@@ -131,6 +131,7 @@ def test_without_the_rules_it_is_outside(name: str, without: tuple[str, ...], ti
     assert (missed[0], missed[-1]) == pytest.approx(times)
 
 
+@pytest.mark.acceptance  # that it is inside its ground truth, every day
 def test_a_fallback_through_another_car_is_found_by_one_rule_alone() -> None:
     """By shapely, too: bodies at the samples of the emergency trajectory lie on the other car in these cycles and in no others."""
     path = FOLDER / "stranded.tmrec.jsonl.gz"
@@ -150,6 +151,7 @@ def test_a_fallback_through_another_car_is_found_by_one_rule_alone() -> None:
     assert over == times
 
 
+@pytest.mark.acceptance  # that it is inside its ground truth, every day
 def test_who_closes_the_door_is_found_by_two_rules_alone() -> None:
     """Worked out in small steps: whoever is behind brakes after its response as hard as it can, and is in the car ahead, which brakes, too."""
     path = FOLDER / "closing_door.tmrec.jsonl.gz"

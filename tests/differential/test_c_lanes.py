@@ -17,7 +17,7 @@ import pytest
 import trackmarshal as tm
 from support.decision_lines import decision_lines
 from support.emitted import emit
-from support.length import amount
+from support.length import amount, at_length
 from support.pairs import Pair
 from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.backends.c.build import compiler
@@ -110,7 +110,7 @@ def candidate(rng: random.Random, stops: bool) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("seed", amount(range(1), range(40)))
-@pytest.mark.parametrize("more", ["", "capacity 3 forget 0.3 s"])
+@pytest.mark.parametrize("more", [at_length(""), "capacity 3 forget 0.3 s"])
 def test_whatever_comes(more: str, seed: int) -> None:
     rng, pair, seen = random.Random(seed), Pair(evaluator(more), limits=LIMITS), Counter[str]()
     kept: list[dict[str, Any]] = []

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.strategies.specs import repeatable
+from support.length import amount
 from trackmarshal.evaluation import Evaluator, loads
 
 WAYS = ("linear", "linear clamp", "step", "step clamp", "linear wrap 64 m", "step wrap 64 m")
@@ -54,7 +55,7 @@ def weights(way: str, at: list[int], x: float) -> dict[int, Fraction] | None:
     return {first: 1 - share, second: share}
 
 
-@settings(repeatable, max_examples=16)
+@settings(repeatable, max_examples=amount(8, 16))
 @given(tables(), st.lists(st.tuples(places, places), min_size=1, max_size=12))
 def test_evaluators_agree_and_read_what_is_defined(
     made: tuple[list[str], list[int], list[int], list[list[float]]], points: list[tuple[float, float]]

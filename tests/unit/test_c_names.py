@@ -150,6 +150,7 @@ def test_variables_lets_definitions_and_their_arguments(tmp_path: Path) -> None:
     agree(spec, program, {"trace": {"t": [0.0, 0.5, 3.0], "u": [1.0, -7.0, 4.0]}})
 
 
+@pytest.mark.acceptance  # names of rules among others every day
 @needs_compiler
 def test_rules(tmp_path: Path) -> None:
     """Also those that are called as functions of ours, as another rule's function, or as another but for its capitals."""

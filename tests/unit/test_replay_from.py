@@ -251,7 +251,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("specs")
 
 
-@pytest.mark.parametrize("backend", SAVING)
+@pytest.mark.parametrize("backend", [at_length("numpy"), SAVING[1]])
 @pytest.mark.parametrize("seed", shared_out(range(3), 3))
 def test_generated_runs(seed: int, backend: str, folder: Path, tmp_path: Path) -> None:
     """Cycles that are refused, late, twice or missing, clocks that are wrong, trajectories that are left, borders that change."""

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 import trackmarshal as tm
 from property.strategies.specs import repeatable
+from support.length import amount
 from support.project import run_command
 from trackmarshal.backends.c.source import generate
 from trackmarshal.evaluation import Evaluator, loads
@@ -84,7 +85,7 @@ SHARP = st.sampled_from([0.0, 3.0, 5.0, 20.0, 7.0, 1e308, -1e308, 5e-324, math.n
 )
 
 
-@settings(repeatable, max_examples=8)
+@settings(repeatable, max_examples=amount(4, 8))
 @given(
     st.sampled_from([0.1, 3.0, 7.5]),
     st.sampled_from([0.3, 10.0]),

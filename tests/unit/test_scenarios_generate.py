@@ -68,6 +68,7 @@ def test_the_shipped_recording_is_what_its_declaration_generates(cut_in: Recordi
     )
 
 
+@pytest.mark.acceptance  # one is what it was when it was shipped, every day
 def test_generating_is_deterministic(cut_in: Recording, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(generating, "run", getattr(generating.run, "__wrapped__", generating.run))
     assert repr(generate(CUT_IN).cycles) == repr(cut_in.cycles)
