@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,12 @@ def starts_of(rows: Ints) -> Ints:
     begins[:1] = True
     np.not_equal(rows[1:], rows[:-1], out=begins[1:])
     return begins.nonzero()[0]
+
+
+def parts_of(rows: Ints, most: int) -> Iterator[slice]:
+    """Ascending numbers in parts of about so many, that never come between equal ones; none is empty."""
+    cuts = rows.searchsorted(rows[most::most]).tolist()
+    return (slice(*ends) for ends in pairwise(dict.fromkeys([0, *cuts, rows.size])))
 
 
 def counts_of(starts: Ints, size: int) -> Ints:

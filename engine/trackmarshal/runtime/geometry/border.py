@@ -76,23 +76,21 @@ class Border:
             begins = np.arange(first, last, BLOCK)
             runs.append(np.minimum(begins[:, None] + np.arange(BLOCK), last - 1))
         self.runs = np.concatenate(runs)
-        self.parts = self.runs.reshape(-1, PART)
-        self.disc_x, self.disc_y, self.disc_radius = self._discs(self.runs)
-        #: x, y and radius of the discs of a block's parts: (3, parts of a block, blocks).
-        discs = np.stack(self._discs(self.parts)).reshape(3, len(self.runs), -1)
-        self.part_discs = np.ascontiguousarray(discs.swapaxes(1, 2))
         #: The segments of each block, and of each part, one after the other: (segments, blocks or parts).
         self.run_segments, self.part_segments = (
-            np.ascontiguousarray(of_each.T) for of_each in (self.runs, self.parts)
+            np.ascontiguousarray(of_each.T) for of_each in (self.runs, self.runs.reshape(-1, PART))
         )
+        self.disc_x, self.disc_y, self.disc_radius = self._discs(self.run_segments)
+        #: x, y and radius of the discs of a block's parts: (3, parts of a block, blocks).
+        discs = np.stack(self._discs(self.part_segments)).reshape(3, len(self.runs), -1)
+        self.part_discs = np.ascontiguousarray(discs.swapaxes(1, 2))
 
     def _discs(self, runs: Ints) -> tuple[Floats, Floats, Floats]:
-        """Centres and radii of discs around runs of segments."""
-        middle = runs[:, runs.shape[1] // 2]
-        x, y = self.ax[middle], self.ay[middle]
-        dx = np.stack([self.ax[runs], self.bx[runs]]) - x[:, None]
-        dy = np.stack([self.ay[runs], self.by[runs]]) - y[:, None]
-        return x, y, np.sqrt(dx * dx + dy * dy).max(axis=(0, 2)) + SLACK
+        """Centres and radii of discs around runs of segments, (segments, runs)."""
+        x, y = self.segments[:2].take(runs[len(runs) // 2], axis=1)
+        ax, ay, bx, by = self.segments[:4].take(runs, axis=1)
+        square = np.maximum((ax - x) ** 2 + (ay - y) ** 2, (bx - x) ** 2 + (by - y) ** 2)
+        return x, y, np.sqrt(np.maximum.reduce(square, axis=0)) + SLACK
 
     def distance(self, x: Floats, y: Floats, k: Ints) -> Floats:
         """The distance of points from segments: to the line where the foot lies within, else to the nearer end."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,9 +15,24 @@ SHIFT = 3
 WIDTH = 1 << SHIFT
 #: The list of a cell is complete for shapes of up to this radius [m]; larger ones are searched for without the grid.
 REACH = 8.0
+#: Cells across and up of a field: the lists of its cells are made together, when one of them is first read.
+FIELD = 8
 #: Bounds on the grid, for borders that are long or far apart.
 MOST_CELLS = 1_000_000
 MOST_SAMPLES = 20_000
+
+
+class _Lists(NamedTuple):
+    """What is made of a grid's lists; nobody writes to it again, so that threads may make lists at once: what one of them loses is made again."""
+
+    #: By cell: whether its list is made, the distance of the border from its middle, and a little more, and where its tiles begin.
+    made: Bools
+    clearance: Floats
+    first_tile: Ints
+    #: From which distance on a cell's i-th tile is needed.
+    needed: Floats
+    #: Segments by place in the tile and tile; a last tile is filled up with one after the last of the border.
+    tiles: Ints
 
 
 class Cells:
@@ -25,6 +41,9 @@ class Cells:
     A shape around a point p that lies within a radius r of p and holds all within a radius s of it is nearest to segments no
     farther than r + max(0, |p border| - s) from p, so no farther than |p q| + r + max(0, |q border| + |p q| - s) from the
     middle q of p's cell.
+
+    A car sees little of a border at a time, and of a new one wants to know soon: lists are made field by field, as they are asked
+    for. What is in them does not depend on when that is.
     """
 
     def __init__(self, border: Border, size: float) -> None:
@@ -45,11 +64,20 @@ class Cells:
         self.last = np.array([[self.columns - 1], [self.rows - 1]], dtype=np.float64)
         cells = self._near_border(border)
         ix, iy = cells // self.rows, cells % self.rows
+        field = ix // FIELD * (self.rows // FIELD + 1) + iy // FIELD
+        order = np.argsort(field, kind="stable")
+        cells, ix, iy, field = cells[order], ix[order], iy[order], field[order]
         self.middle = np.stack([(ix + 0.5) * size, (iy + 0.5) * size]) + self.corner
         #: Where a grid cell's data is, -1 for a cell without.
         self.data = np.full(self.columns * self.rows, -1, dtype=np.intp)
         self.data[cells] = np.arange(cells.size)
-        self._tiles(border)
+        self._border = border
+        #: Where the cells of a cell's field begin and end.
+        self._fields = field.searchsorted(field), field.searchsorted(field, side="right")
+        none = np.zeros(cells.size, dtype=np.intp)
+        self._lists = _Lists(
+            none.astype(np.bool_), np.empty(cells.size), none, np.empty((0, cells.size)), np.empty((WIDTH, 0), dtype=np.intp)
+        )  # fmt: skip
 
     def _near_border(self, border: Border) -> Ints:
         """The cells with a point of the border, and their neighbours."""
@@ -67,33 +95,38 @@ class Cells:
         cells: Ints = np.flatnonzero(near)
         return cells
 
-    def _tiles(self, border: Border) -> None:
-        spread = math.sqrt(2.0) * self.size
-        rows, k, distance = border.near(self.middle[0], self.middle[1], spread + REACH)
-        order = np.argsort(rows * (2.0 * distance.max() + 1.0) + distance)
-        rows, k, distance = rows[order], k[order], distance[order]
-        counts = np.bincount(rows, minlength=self.middle.shape[1])
-        first = np.cumsum(counts) - counts
-        #: The distance of the border from each cell's middle, and a little more.
-        self.clearance = distance[first] + SLACK
+    def _with(self, lists: _Lists, wanted: Ints) -> _Lists:
+        """The same, and the lists of the fields of some cells that have none."""
+        firsts = np.unique(self._fields[0].take(wanted))
+        fields = zip(firsts.tolist(), self._fields[1].take(firsts).tolist())
+        cells = np.concatenate([np.arange(first, end) for first, end in fields])
+        x, y = self.middle.take(cells, axis=1)
+        rows, k, distance = self._border.near(x, y, math.sqrt(2.0) * self.size + REACH)
+        order = np.lexsort((distance, rows))
+        rows, k, distance = rows.take(order), k.take(order), distance.take(order)
+        counts = np.bincount(rows, minlength=cells.size)
+        begins = np.cumsum(counts) - counts
         tiles = -(-counts // WIDTH)
-        self.first_tile = np.cumsum(tiles) - tiles
-        rank = np.arange(k.size) - first[rows]
-        tile = self.first_tile[rows] + rank // WIDTH
-        #: Segments by place in the tile and tile; a last tile is filled up with one after the last of the border.
-        self.tiles = np.full((WIDTH, int(tiles.sum())), border.size)
-        self.tiles[rank % WIDTH, tile] = k
-        #: From which distance on a cell's i-th tile is needed.
-        self.needed = np.full((int(tiles.max()), counts.size), np.inf)
-        begins = rank % WIDTH == 0
-        self.needed[(rank // WIDTH)[begins], rows[begins]] = distance[begins]
+        first_tile = np.cumsum(tiles) - tiles
+        place, rank = np.divmod(np.arange(k.size) - begins.take(rows), WIDTH)[::-1]
+        more = np.full((WIDTH, int(tiles.sum())), self._border.size)
+        more[place, first_tile.take(rows) + rank] = k
+        needed = np.full((max(len(lists.needed), int(tiles.max())), lists.made.size), np.inf)
+        needed[: len(lists.needed)] = lists.needed
+        head = place == 0
+        needed[rank[head], cells.take(rows[head])] = distance[head]
+        made, clearance, first = lists.made.copy(), lists.clearance.copy(), lists.first_tile.copy()
+        made[cells], clearance[cells] = True, distance.take(begins) + SLACK
+        first[cells] = first_tile + lists.tiles.shape[1]
+        return _Lists(made, clearance, first, needed, np.concatenate([lists.tiles, more], axis=1))
 
     def tiles_around(
-        self, points: Floats, radius: Floats, inner: float | Floats = 0.0
+        self, points: Floats, radius: Floats, inner: float | Floats = 0.0, counted: Bools | None = None
     ) -> tuple[Ints, Ints, Bools | None]:
-        """Rows and tiles that hold all segments that may be nearest to shapes of a radius around points, (2, N), or touch them.
+        """Rows, ascending, and tiles of segments, (WIDTH, rows), that hold all that may be nearest to shapes of a radius around points, (2, N),
+        or touch them.
 
-        The shapes hold all within the `inner` radius.
+        The shapes hold all within the `inner` radius. Of those that are not `counted` there are none.
 
         The mask names the rows that the grid cannot tell about, if any: a shape larger than `REACH`, or far from the border.
         """
@@ -103,24 +136,30 @@ class Cells:
         np.minimum(at, self.last, out=at)
         column, row = at.astype(np.intp)
         data = self.data.take(column * self.rows + row)
+        lists = self._lists
+        made = lists.made.take(data)  # where a cell has no data, of the last one
+        if 0 in made.tobytes():
+            lists = self._lists = self._with(lists, data[~made])
         unknown: Bools | None = None
         if data.min() < 0 or radius.max() > REACH:
             unknown = (data < 0) | (radius > REACH)
         apart = points - self.middle.take(data, axis=1)
         apart *= apart
         apart = np.sqrt(apart[0] + apart[1])
-        limit = apart + self.clearance.take(data)
+        limit = apart + lists.clearance.take(data)
         limit -= inner
         np.maximum(limit, SLACK, out=limit)
         limit += apart
         limit += radius
-        counts = np.add.reduce(self.needed.take(data, axis=1) <= limit, axis=0)
+        counts = np.add.reduce(lists.needed.take(data, axis=1) <= limit, axis=0)
         if unknown is not None:
             counts[unknown] = 0
+        if counted is not None:
+            counts *= counted
         ends = counts.cumsum()
         rows = np.arange(data.size).repeat(counts)
-        offset = self.first_tile.take(data) - ends
+        offset = lists.first_tile.take(data) - ends
         offset += counts
         tiles = offset.take(rows)
         tiles += np.arange(rows.size)
-        return rows, tiles, unknown
+        return rows, lists.tiles.take(tiles, axis=1), unknown

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import Floats, Ints, place
+from trackmarshal.runtime.geometry.arrays import Floats, Ints, parts_of, place
 from trackmarshal.runtime.geometry.border import Border
 
-#: Pairs of runs of segments that are looked at together.
-AT_ONCE = 1 << 11
+#: Consecutive boxes that share a box; pairs of groups of them that are looked into together.
+GROUP, AT_ONCE = 8, 1 << 10
 #: A computed turn that is larger than this share of its two products has the right sign.
 CERTAIN = 1e-15
 
@@ -37,28 +37,43 @@ def meetings(border: Border) -> Iterator[tuple[Ints, Ints]]:
 
     They come in parts that are not empty, found as they are asked for.
     """
-    lows = np.minimum(border.ax, border.bx), np.minimum(border.ay, border.by)
-    highs = np.maximum(border.ax, border.bx), np.maximum(border.ay, border.by)
-    runs = border.runs
-    boxes = [(low[runs].min(axis=1), high[runs].max(axis=1)) for low, high in zip(lows, highs)]
-    step = max(1, AT_ONCE // len(runs))
-    for first in range(0, len(runs), step):
-        some = np.arange(first, min(first + step, len(runs)))
-        overlap = some[:, None] <= np.arange(len(runs))
-        for low, high in boxes:
-            overlap &= (low[some, None] <= high) & (low <= high[some, None])
-        one, other = overlap.nonzero()
-        i, j = runs[some[one]][:, :, None], runs[other][:, None, :]
-        near = (i < j) & (border.next[i] != j) & (border.next[j] != i)
-        for low, high in zip(lows, highs):
-            near &= (low[i] <= high[j]) & (low[j] <= high[i])
-        which = near.nonzero()
-        i, j = i[which[0], which[1], 0], j[which[0], 0, which[2]]
+    begins, ends = border.segments[:2], border.segments[2:4]
+    for i, j in _overlapping(np.minimum(begins, ends), np.maximum(begins, ends)):
+        apart = ((i < j) & (border.next[i] != j) & (border.next[j] != i)).nonzero()[0]
+        i, j = i[apart], j[apart]
         meet = turn(border, i, j, 0) * turn(border, i, j, 1) <= 0
         meet &= turn(border, j, i, 0) * turn(border, j, i, 1) <= 0
         if meet.any():
-            i, j = np.unique(np.stack([i[meet], j[meet]]), axis=1)
-            yield i, j
+            yield i[meet], j[meet]
+
+
+def _overlapping(low: Floats, high: Floats) -> Iterator[tuple[Ints, Ints]]:
+    """All pairs one <= other of boxes, (2, n), that overlap, in order: in parts that have all pairs of each box that is first in some.
+
+    Boxes around groups of them say which groups are worth looking into.
+    """
+    count = low.shape[1]
+    groups: Iterable[tuple[Ints, Ints]]
+    if count == 1:
+        groups = [(np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp))]
+    else:
+        firsts = np.arange(0, count, GROUP)
+        groups = _overlapping(
+            np.minimum.reduceat(low, firsts, axis=1), np.maximum.reduceat(high, firsts, axis=1)
+        )
+    within = np.arange(GROUP)
+    for left, right in groups:
+        for part in parts_of(left, AT_ONCE):
+            one = (left[part, None] * GROUP + within)[:, :, None]
+            other = (right[part, None] * GROUP + within)[:, None, :]
+            overlap = (one <= other) & (other < count)
+            one, other = np.minimum(one, count - 1), np.minimum(other, count - 1)
+            for axis in (0, 1):
+                overlap &= (low[axis, one] <= high[axis, other]) & (low[axis, other] <= high[axis, one])
+            pair, row, column = overlap.nonzero()
+            one, other = one[pair, row, 0], other[pair, 0, column]
+            order = np.argsort(one, kind="stable")
+            yield one[order], other[order]
 
 
 def turn(border: Border, i: Ints, j: Ints, end: int) -> Ints:

@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, counts_of, points_of, starts_of
+from trackmarshal.runtime.geometry.arrays import (
+    SLACK,
+    Bools,
+    Floats,
+    Ints,
+    counts_of,
+    parts_of,
+    points_of,
+    starts_of,
+)
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import REACH, SHIFT, WIDTH, Cells
 from trackmarshal.runtime.geometry.curve import Curves, Hulls, least_of
@@ -58,7 +66,7 @@ class Region:
 
     @cached_property
     def cells(self) -> Cells:
-        """The grid; made when first asked for, which of a corridor whose centre line alone is read nobody does."""
+        """The grid; laid out when first asked for, which of a corridor whose centre line alone is read nobody does."""
         # Cells as large as half a corridor is wide: with the neighbours of the border's cells they cover its inside.
         return Cells(self.border, self._area / float(self.border.length.sum()))
 
@@ -67,11 +75,6 @@ class Region:
         """The slack in double precision, of segments that the grid knows to be near [m]."""
         span = float(self.border.length.max()) + 8.0 * (self.cells.size + REACH)
         return SLACK + 64.0 * float(np.finfo(np.float64).eps) * span
-
-    @cached_property
-    def _tiled(self) -> Vectors:
-        """The segments tile by tile, (2, WIDTH, tiles), of axes: middle and half, place in the tile, tile. What fills tiles up is far away."""
-        return self._segments.take(self.cells.tiles, axis=1)
 
     def _singles(self) -> tuple[Vectors, float]:
         """The middles of the segments and half of each, in single precision, which is enough to rule most of them out; and how far
@@ -141,8 +144,7 @@ class Region:
         if rows.size <= PAIRS_AT_ONCE:
             margin = self._judged(sweeps, rows, k, touching)
         else:
-            cuts = rows.searchsorted(rows[PAIRS_AT_ONCE::PAIRS_AT_ONCE]).tolist()  # never within a hull
-            parts = (slice(*ends) for ends in pairwise(dict.fromkeys([0, *cuts, rows.size])))
+            parts = parts_of(rows, PAIRS_AT_ONCE)  # never within a hull
             margin = np.concatenate(
                 [self._judged(sweeps, rows[part], k[part], touching[part]) for part in parts]
             )
@@ -179,11 +181,8 @@ class Region:
         or, with how far ways along curves go `beyond` them, the least margin of these ways.
         """
         middle = sweeps.position + sweeps.middle
-        rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner)
-        if counted is not None and 0 in counted.tobytes():
-            there = counted.take(rows).nonzero()[0]
-            rows, tiles = rows.take(there), tiles.take(there)
-        k, nearest = tiles, np.empty(0, dtype=np.float32)
+        rows, tiles, unknown = self.cells.tiles_around(middle, sweeps.radius, sweeps.inner, counted)
+        k, nearest = tiles[0], np.empty(0, dtype=np.float32)
         if rows.size:
             of = rows if groups is None else groups.take(rows)
             rows, k, nearest = self._culled(sweeps, boxes, rows, tiles, of, beyond)
@@ -196,7 +195,7 @@ class Region:
     def _around(self, points: Floats) -> tuple[Ints, Ints]:
         """Points and segments in pairs: at least all segments that may be nearest to a point."""
         rows, tiles, unknown = self.cells.tiles_around(points, np.zeros(points.shape[1]))
-        k = self.cells.tiles.take(tiles, axis=1).T.ravel()
+        k = tiles.T.ravel()
         real = (k < self.border.size).nonzero()[0]
         rows, k = rows.take(real >> SHIFT), k.take(real)
         if unknown is None:
@@ -230,7 +229,7 @@ class Region:
         np.multiply(0.5, high - low, out=frames[2], casting="same_kind")
         centre, back, size = _complex(frames.swapaxes(0, 1)).take(rows, axis=1)
         # Axes: middle and half of a segment, place in the tile, tile; and x and y in the direction of the box.
-        seen = self._tiled.take(tiles, axis=2)
+        seen = self._segments.take(tiles, axis=1)
         seen[0] -= centre
         seen *= back
         apart = seen.view(np.float32)
@@ -256,8 +255,8 @@ class Region:
         some = np.logical_or.reduce(near, axis=0).nonzero()[0]  # of most tiles there is none
         kept = near.take(some, axis=1).T.reshape(-1).nonzero()[0]
         tile, place = some.take(kept >> SHIFT), kept & (WIDTH - 1)
-        k = self.cells.tiles.reshape(-1).take(place * self.cells.tiles.shape[1] + tiles.take(tile))
-        return rows.take(tile), k, best.reshape(-1).take(place * rows.size + tile)
+        at = place * rows.size + tile
+        return rows.take(tile), tiles.reshape(-1).take(at), best.reshape(-1).take(at)
 
 
 def _complex(pair: NDArray[Any]) -> Vectors:
