@@ -133,3 +133,21 @@ def test_the_yardstick_is_the_references_own() -> None:
         for x, y in around(draw, [chain], 20):
             own = [looked_at_all(a, b, x, y) for a, b in segments([chain], False)]
             assert own == [distance(x, y, one) for one in line.segments]
+
+
+@pytest.mark.parametrize("at", [(0.0, 0.0), (40.0, 0.0), (39.0, 1.0), (1e5, -1e5), (1e9, 1e9)])
+@pytest.mark.parametrize("spread", [0.0, 1e-9, 1.0, 60.0])
+def test_points_that_lie_together(at: Point, spread: float) -> None:
+    """In the middle of a ring, as far from all of it, on it, beside it and far off: of most of its blocks none of them is near."""
+    draw = random.Random(round(at[0] + spread))
+    ring = [(40.0 * math.cos(0.02 * k), 40.0 * math.sin(0.02 * k)) for k in range(314)]
+    points = [
+        (at[0] + draw.uniform(-spread, spread), at[1] + draw.uniform(-spread, spread)) for _ in range(5)
+    ]
+    check([ring], True, [at, *points])
+
+
+def test_of_no_points_there_are_none() -> None:
+    border = Border([np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)])], True)
+    none = np.empty(0)
+    assert [part.size for part in (*border.nearest(none, none), *border.near(none, none, 1.0))] == [0] * 5

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -15,8 +16,8 @@ BLOCK, PART = 16, 4
 FEW_POINTS = 64
 #: The sine of a bend below which both sides of the border count as straight: rounding could decide between them.
 STRAIGHT = 1e-6
-#: Distances that are held at once while blocks are searched.
-AT_ONCE = 1 << 15
+#: Distances that are held at once while blocks are searched, if they are those of more than a few points.
+AT_ONCE, LEAST = 1 << 15, 64
 
 
 class Border:
@@ -69,6 +70,11 @@ class Border:
         ):
             array.flags.writeable = False
 
+    @property
+    def _step(self) -> int:
+        """Points that are searched for at once."""
+        return max(LEAST, AT_ONCE // len(self.runs))
+
     def _blocks(self, firsts: Ints) -> None:
         """Bounding discs of runs of segments, and of the parts of those, each centred at a point of the border."""
         runs = []
@@ -80,7 +86,8 @@ class Border:
         self.run_segments, self.part_segments = (
             np.ascontiguousarray(of_each.T) for of_each in (self.runs, self.runs.reshape(-1, PART))
         )
-        self.disc_x, self.disc_y, self.disc_radius = self._discs(self.run_segments)
+        #: x, y and radius of the discs of blocks: (3, blocks).
+        self.discs = np.stack(self._discs(self.run_segments))
         #: x, y and radius of the discs of a block's parts: (3, parts of a block, blocks).
         discs = np.stack(self._discs(self.part_segments)).reshape(3, len(self.runs), -1)
         self.part_discs = np.ascontiguousarray(discs.swapaxes(1, 2))
@@ -106,7 +113,9 @@ class Border:
 
         Returns rows (which point, ascending), segments (ascending within a row, possibly repeated) and distances [m].
         """
-        step = max(1, AT_ONCE // len(self.runs))
+        if not x.size:
+            return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp), np.empty(0)
+        step = self._step
         if x.size <= step:
             return self._near(x, y, reach)
         parts = []
@@ -123,7 +132,7 @@ class Border:
         """The nearest segment to each point, of equally near ones the first, and its distance."""
         if not x.size:
             return np.empty(0, dtype=np.intp), np.empty(0)
-        step = max(1, AT_ONCE // len(self.runs))
+        step = self._step
         parts = [self._nearest(x[at : at + step], y[at : at + step]) for at in range(0, x.size, step)]
         if len(parts) == 1:
             return parts[0]
@@ -153,17 +162,33 @@ class Border:
 
     def _near_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
         """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one."""
-        dx, dy = x - self.disc_x[:, None], y - self.disc_y[:, None]
+        some = self._blocks_around(x, y, reach)
+        disc_x, disc_y, disc_radius = self.discs.take(some, axis=1)[:, :, None]
+        dx, dy = x - disc_x, y - disc_y
         dx *= dx
         dy *= dy
         dx += dy
         centre = np.sqrt(dx, out=dx)
         limit = np.minimum.reduce(centre, axis=0) + (reach + SLACK)
-        centre -= self.disc_radius[:, None]
+        centre -= disc_radius
         near = np.empty(centre.shape[::-1], dtype=np.bool_)
         np.less_equal(centre, limit, out=near.T)
         point, block = near.nonzero()
-        return point, block
+        return point, some.take(block)
+
+    def _blocks_around(self, x: Floats, y: Floats, reach: float | Floats) -> Ints:
+        """Blocks that may be such a pair with some of the points, or have the centre that is nearest to one: of points that lie together few are.
+
+        Of a point within r of p, no centre is nearer than of p by more than r, and none farther.
+        """
+        px, py = x[x.size // 2], y[y.size // 2]  # any of them
+        dx, dy, (from_x, from_y, radius) = x - px, y - py, self.discs
+        spread = math.sqrt(np.maximum.reduce(dx * dx + dy * dy))
+        from_x, from_y = from_x - px, from_y - py
+        centre = np.sqrt(from_x * from_x + from_y * from_y)
+        limit = np.minimum.reduce(centre) + (2.0 * spread + np.maximum.reduce(reach, axis=None) + 8.0 * SLACK)
+        blocks: Ints = (~(centre - radius > limit)).nonzero()[0]  # all, where a number is none
+        return blocks
 
     def _near_parts(self, x: Floats, y: Floats, point: Ints, block: Ints) -> tuple[Ints, Ints]:
         """Of points and blocks in pairs those of points and parts of blocks where a part may have the nearest segment: which points, and the

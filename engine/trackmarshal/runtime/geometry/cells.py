@@ -43,7 +43,7 @@ class Cells:
     middle q of p's cell.
 
     A car sees little of a border at a time, and of a new one wants to know soon: lists are made field by field, as they are asked
-    for. What is in them does not depend on when that is.
+    for. Whenever that is, they hold what may be nearest.
     """
 
     def __init__(self, border: Border, size: float) -> None:
@@ -102,19 +102,21 @@ class Cells:
         cells = np.concatenate([np.arange(first, end) for first, end in fields])
         x, y = self.middle.take(cells, axis=1)
         rows, k, distance = self._border.near(x, y, math.sqrt(2.0) * self.size + REACH)
-        order = np.lexsort((distance, rows))
+        # Row by row, nearest first but for rounding, which is far below SLACK.
+        order = np.argsort(rows * (2.0 * distance.max() + 1.0) + distance, kind="stable")
         rows, k, distance = rows.take(order), k.take(order), distance.take(order)
         counts = np.bincount(rows, minlength=cells.size)
         begins = np.cumsum(counts) - counts
         tiles = -(-counts // WIDTH)
         first_tile = np.cumsum(tiles) - tiles
-        place, rank = np.divmod(np.arange(k.size) - begins.take(rows), WIDTH)[::-1]
+        rank = np.arange(k.size) - begins.take(rows)
+        place, tile = rank & (WIDTH - 1), rank >> SHIFT
         more = np.full((WIDTH, int(tiles.sum())), self._border.size)
-        more[place, first_tile.take(rows) + rank] = k
+        more[place, first_tile.take(rows) + tile] = k
         needed = np.full((max(len(lists.needed), int(tiles.max())), lists.made.size), np.inf)
         needed[: len(lists.needed)] = lists.needed
-        head = place == 0
-        needed[rank[head], cells.take(rows[head])] = distance[head]
+        heads = (place == 0).nonzero()[0]
+        needed[tile.take(heads), cells.take(rows.take(heads))] = distance.take(heads)
         made, clearance, first = lists.made.copy(), lists.clearance.copy(), lists.first_tile.copy()
         made[cells], clearance[cells] = True, distance.take(begins) + SLACK
         first[cells] = first_tile + lists.tiles.shape[1]
