@@ -1,4 +1,4 @@
-"""What a grid lists of a border, and which of its segments are compared with each other, never leaves out what counts: the same as of looking at all."""
+"""What is made of a border once: what its grid lists, which of its segments are compared with each other, and which of its points are. Nothing that counts is left out."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from property.test_border_search import Point, looked_at_all, road, segments
 from property.test_over_run import EXAMPLES
+from trackmarshal.runtime.geometry.arrays import SAME, distinct
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.cells import Cells
 from trackmarshal.runtime.geometry.crossings import meetings
@@ -100,3 +101,24 @@ def test_what_is_listed_holds_what_is_nearest_whenever_it_is_asked(
             nearest = {at for at, reach in enumerate(reaches) if reach <= least}
             assert nearest <= set(own.ravel().tolist())
             assert nearest <= set(tiles[:, rows == k].ravel().tolist())
+
+
+@given(
+    st.lists(
+        st.tuples(*[st.sampled_from([0.0, 0.4e-9, 0.9e-9, 1e-9, 1.1e-9, -0.6e-9, 1.0])] * 2), max_size=14
+    ),
+    st.booleans(),
+)
+@settings(max_examples=3 * EXAMPLES, deadline=None)
+def test_points_are_compared_with_the_last_one_kept(steps: list[Point], closed: bool) -> None:
+    """Not with the one before, from which a chain of small steps would lead anywhere."""
+    points = np.cumsum(np.array(steps, dtype=np.float64).reshape(-1, 2), axis=0)
+    kept: list[Point] = []
+    for x, y in points.tolist():
+        if not kept or max(abs(x - kept[-1][0]), abs(y - kept[-1][1])) > SAME:
+            kept.append((x, y))
+    while (
+        closed and len(kept) > 1 and max(abs(a - b) for a, b in zip(kept[0], kept[-1], strict=True)) <= SAME
+    ):
+        kept.pop()
+    assert distinct(points, closed).tolist() == [list(point) for point in kept]

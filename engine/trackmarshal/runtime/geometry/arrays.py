@@ -44,11 +44,15 @@ def coordinates_fault(name: str, points: Floats, least: int, closed: bool) -> st
 
 def distinct(points: Floats, closed: bool) -> Floats:
     """The points without repetitions of the last one kept; of a closed chain also without its repeated first point."""
-    if len(points) > 1 and (np.abs(points[1:] - points[:-1]) <= SAME).all(axis=1).any():
-        kept = [0]
-        for k in range(1, len(points)):
-            if not (np.abs(points[k] - points[kept[-1]]) <= SAME).all():
-                kept.append(k)
+    again = np.flatnonzero((np.abs(points[1:] - points[:-1]) <= SAME).all(axis=1))
+    if again.size:
+        kept, at = np.ones(len(points), dtype=np.bool_), 0
+        for last in again.tolist():
+            if last >= at:  # else it is no longer the last one kept, or has been compared
+                at = last + 1
+                while at < len(points) and (np.abs(points[at] - points[last]) <= SAME).all():
+                    kept[at] = False
+                    at += 1
         points = points[kept]
     while closed and len(points) > 1 and (np.abs(points[-1] - points[0]) <= SAME).all():
         points = points[:-1]
