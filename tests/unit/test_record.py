@@ -13,6 +13,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
 from support.length import amount
 from support.supervised import Clock, Oracle, made, shipped
@@ -246,6 +247,16 @@ def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
             Record(place, supervisor.door.contract, supervisor.limits, oracle.identity)
         assert caught.value.code == "E483"
     assert path.read_bytes() == b"mine"
+
+
+@pytest.mark.parametrize("name", ["run.mcap", "run.jsonl", "run.json", "run.CSV", "run.saa", "run.arrows.gz"])
+def test_a_name_with_the_ending_of_another_format(name: str, tmp_path: Path) -> None:
+    with pytest.raises(TrackmarshalError, match=r"a stream of Arrow, and no [.]") as caught:
+        tm.supervisor(shipped(), ["speed_limit"], record=tmp_path / name)
+    assert caught.value.code == "E483"
+    assert "its ending is .arrows: `run.arrows`" in str(caught.value)
+    assert ("--mcap FILE" in str(caught.value)) == (name == "run.mcap")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_record_that_fails_leaves_the_decision(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ CODES = {
     "D245": ("the car is too fast for the stored emergency trajectory", "Where it is, it is faster than the trajectory is there by more than the limit `overspeed`: its bends and its end are not for that speed. It is dropped for good."),
     "E481": ("a limit that is none", "The limits of a Supervisor are capacities (whole numbers, from 2 to 2147483647), times, distances, angles and speeds (numbers, at least 0; inf takes a limit away)."),
     "E482": ("a spec that cannot be supervised with", "The Supervisor itself reads `plan`, a trajectory with t, x, y, heading and v, and the state `ego` with x, y and heading, all in SI units. A spec may leave them out, or declare them so with ranges of its own."),
-    "E483": ("the record of a run cannot be made", "A record is a new file: one that is there already is never overwritten or added to."),
+    "E483": ("the record of a run cannot be made", "A record is a new file: one that is there already is never overwritten or added to. It is a stream in Arrow's format, whose ending is .arrows: a name with the ending of another format (.mcap, .jsonl, .csv) is refused, since nothing could open the file by it."),
     "E484": ("a package is missing", "Exporting a record as MCAP needs the package `mcap`: pip install trackmarshal[mcap]."),
     "E485": ("a declared limit that is none", "The parameters of the module `supervisor.limits` are the limits that a project's Supervisors are set up with: by the names of docs/supervisor.md, in their units, capacities as whole numbers from 2 to 2147483647."),
     "E486": ("what rules remember cannot be saved", "The evaluator keeps all of a run (`reference`), or a cycle is called by something that JSON has no word for. A replay starts at the beginning."),

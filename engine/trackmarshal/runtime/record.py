@@ -47,6 +47,8 @@ FORMAT = "trackmarshal-record"
 VERSION = 3
 #: Of version 2, rows do not say their places.
 _KNOWN = (2, VERSION)
+#: Endings of other formats: what opens a file by its name would find no file of its own under them.
+_OTHERS = (".mcap", ".jsonl", ".json", ".csv", ".saa", ".gz", ".zip", ".parquet", ".feather", ".yaml", ".yml")
 _ROW: Column = ("row", INT)
 _TIMES: tuple[Column, ...] = (
     ("number", INT),
@@ -66,7 +68,7 @@ class Record:
 
     identity: the judge's. saving: what a replay from the middle needs (`Supervisor.saving`), saved after so many cycles (`every`; 0: never),
     a little of it in each of the next ones; without it, a replay starts at the beginning. sync waits in every cycle until the disk has the data (against a power failure; a process that is killed loses
-    nothing either way). Raises E483 where the file cannot be made or is there already.
+    nothing either way). Raises E483 where the file cannot be made or is there already, or has the ending of another format.
     """
 
     def __init__(
@@ -79,6 +81,7 @@ class Record:
         saving: Callable[[], Saving] | None = None,
         every: int = EVERY,
     ) -> None:
+        _refuse_ending(path)
         self._sync = sync
         self._snapshots = Snapshots(saving, every)
         self._inputs = _inputs(contract)
@@ -245,6 +248,23 @@ class Record:
 
 
 _NOTHING = np.zeros(0)
+
+
+def _refuse_ending(path: str | Path) -> None:
+    """Raise E483 for a name that says that the file is of another format."""
+    ending = Path(path).suffix
+    if ending.lower() not in _OTHERS:
+        return
+    name = f"{Path(path).stem.removesuffix('.arrows')}.arrows"
+    after = (
+        f", from which `trackmarshal replay {name} --mcap FILE` makes MCAP"
+        if ending.lower() == ".mcap"
+        else ""
+    )
+    raise TrackmarshalError(
+        "E483", f"the record cannot be made: it is a stream of Arrow, and no {ending}", file=str(path),
+        help=f"its ending is .arrows: `{name}`{after}",
+    )  # fmt: skip
 
 
 def _packed(frame: Frame) -> tuple[dict[str, Packed], dict[str, Packed]]:
