@@ -8,23 +8,28 @@ from __future__ import annotations
 
 import math
 import os
+import resource
 import shutil
 import signal
 import struct
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support.cycles import cycle
 from support.processes import PATIENCE, Rig, Served, built
 from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.process.client import Border
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import LinkError, Message
-from trackmarshal.process.serving import build, shared_path
+from trackmarshal.process.serving import build, shared_path, start
 from trackmarshal.process.shared_memory import SharedMemory
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.frame import Settings
@@ -206,6 +211,33 @@ def test_a_planner_that_was_replaced_is_not_heard() -> None:
         rig.client = new
         assert rig.refused() == {"session": 3}  # two borders and a cycle
         old.close()
+        rig.close()
+
+
+@pytest.mark.verifies("S-1-B-3")
+def test_borders_of_a_planner_that_starts_are_not_for_the_cycle_of_the_one_before() -> None:
+    """The cycle waits; a new planner has put its borders there, which count from 1 as those of before did, and no cycle yet."""
+    with Served(built()) as served:
+        rig = Rig(served)
+        rig.step(2)
+        rig.close()
+        rig.connect()
+        given = cycle(3)
+        track = given.signals["track"]
+        beside = np.asarray(track["left"], float) - [0.0, 5.5]  # the car is on this border
+        os.kill(served.process.pid, signal.SIGSTOP)
+        rig.now = given.t
+        sequence = rig.send(3, replace(given, signals={**given.signals, "track": {**track, "left": beside}}))
+        rig.client.channel._cycles.close()  # it dies, and its ears stay
+        old, rig._ear = rig.client, served.listening()
+        rig.connect()
+        for slot, (_, field) in enumerate(rig.client.layout.lines):
+            assert rig.client._version(slot, Border(track[field])) == 1
+        os.kill(served.process.pid, signal.SIGCONT)
+        said = old.answer(sequence, PATIENCE)
+        assert said is not None
+        assert (said["safe"], said["driven"]) == (0, 2)
+        assert rig.step(4, replace(cycle(4), number=4))["about_session"] == rig.client.session
         rig.close()
 
 
@@ -548,6 +580,30 @@ def test_it_ends_when_it_is_told_to() -> None:
     with Served(built()) as served:
         served.process.terminate()
         assert served.process.wait(PATIENCE) == 0
+
+
+def test_files_of_shared_memory_have_their_room_from_the_start(tmp_path: Path) -> None:
+    """Else a full disk ends whoever writes into them first, while it drives. On a disk, where no locked page has it taken anyway."""
+    program, name = built(), str(tmp_path / "one")
+    served = start(program, shm=name, simulated=True)
+    served.kill()
+    served.communicate()
+    for file in program.layout.said["memory"]["files"]:
+        about = os.stat(f"{name}.{file['name']}")
+        assert about.st_size == file["size"] <= about.st_blocks * 512
+
+
+def test_shared_memory_without_room_says_why(tmp_path: Path) -> None:
+    def small() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
+
+    done = subprocess.run(
+        built().command(shm=str(tmp_path / "one")),
+        capture_output=True, text=True, check=False, preexec_fn=small, restore_signals=False, timeout=PATIENCE,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == f"{tmp_path}/one.cycles cannot be made: File too large\n"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one.lock"]
 
 
 def test_one_supervisor_and_one_planner_for_a_name() -> None:

@@ -84,12 +84,12 @@ static bool shared_memory(const char *name) {
   }
   (void)snprintf(path, sizeof(path), "%s.cycles", name);
   if (!tml_region_open(&cycles, path, TML_CYCLES_SIZE, true, false, &why)) {
-    (void)fprintf(stderr, "%s %s\n", path, why);
+    (void)fprintf(stderr, "%s %s: %s\n", path, why, strerror(errno));
     return false;
   }
   (void)snprintf(path, sizeof(path), "%s.decisions", name);
   if (!tml_region_open(&decisions, path, TML_DECISIONS_SIZE, true, true, &why)) {
-    (void)fprintf(stderr, "%s %s\n", path, why);
+    (void)fprintf(stderr, "%s %s: %s\n", path, why, strerror(errno));
     return false;
   }
   /* What was put there before this Supervisor started is not for it. */
