@@ -441,6 +441,27 @@ def test_entries_that_cannot_be(rig: Rig) -> None:
     assert rig.step(3)["safe"] == 1
 
 
+def test_what_a_masked_array_hides_is_missing(rig: Rig) -> None:
+    """As to the door of a Supervisor in this process: what stands below the mask is no number of anybody."""
+    given = cycle(3)
+    objects = given.signals["objects"]
+    for hides, safe in ((False, 1), (True, 0)):
+        hidden = np.ma.masked_array(np.asarray(objects["x"], float), mask=[hides, False])
+        signals = {**given.signals, "objects": {**objects, "x": hidden}}
+        said = rig.step(3 + hides, replace(cycle(3 + hides), signals=signals))
+        assert (said["safe"], faults(said)) == (safe, ["not_finite"] * hides)
+    plain = np.ma.masked_array(np.asarray(given.driving["v"], float))
+    assert rig.step(5)["safe"] == 1
+    assert rig.step(6, replace(cycle(6), driving={**cycle(6).driving, "v": plain}))["safe"] == 1
+
+
+@pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])
+def test_a_flag_that_is_none(closed: Any, rig: Rig) -> None:
+    left = Border([(0.0, 6.0), (100.0, 6.0)])
+    with pytest.raises(LinkError, match=r"`signals[.]track[.]closed` is True or False, not"):
+        rig.client.send(3, 0.3, None, None, {"track": {"left": left, "right": left, "closed": closed}})
+
+
 def test_borders_that_are_lost_are_sent_again() -> None:
     with Served(built(), udp=True) as served:
 

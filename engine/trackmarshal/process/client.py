@@ -137,7 +137,7 @@ class Client:
                 self._fill(message, group, value, versions)
         for event in self._events:
             flag = signals.get(event.removeprefix("signals."))
-            kind.put(message, f"{event}/event", -1 if flag is None else int(bool(flag)))
+            kind.put(message, f"{event}/event", -1 if flag is None else _truth(event, flag))
         self._found(message, found)
         return self._post(kind, "cycle", message)
 
@@ -195,8 +195,8 @@ class Client:
         kind = self._cycle
         kind.put(message, f"{group}/present", 1)
         if known.closed:
-            closed = value.get("closed", False) if isinstance(value, Mapping) else False
-            kind.put(message, f"{group}/closed", int(bool(closed)))
+            closed = value.get("closed") if isinstance(value, Mapping) else None
+            kind.put(message, f"{group}/closed", 0 if closed is None else _truth(f"{group}.closed", closed))
         if known.lines:
             for name in known.lines:
                 kind.put(message, name, versions[name])
@@ -277,6 +277,13 @@ class Client:
         kind.put(message, "found_signal", [_place(signal, layout.signals) for _, signal, _, _ in given])
         kind.put(message, "found_field", [_place(field, layout.fields) for _, _, field, _ in given])
         kind.put(message, "found_index", [-1 if index is None else index for _, _, _, index in given])
+
+
+def _truth(name: str, flag: Any) -> int:
+    """A flag as it is sent; raises LinkError for what is none, such as a text that says "false"."""
+    if flag not in (0, 1):
+        raise LinkError(f"`{name}` is True or False, not {str(flag)[:40]!r}")
+    return int(flag)
 
 
 def _place(text: str, names: Sequence[str]) -> int:

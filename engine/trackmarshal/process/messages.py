@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any, NamedTuple, cast
 
 _FORMATS = {"u64": "Q", "i64": "q", "f64": "d", "u32": "I", "u16": "H", "i8": "b", "u8": "B"}
+#: What stands for a value that is missing, of types that have it.
+_MISSING: dict[str, float] = {"f64": math.nan, "i8": -1}
 _HEAD = struct.Struct("<IIHHIQQQd")
 #: The CRC is of all that follows it.
 _CRC_FROM = 8
@@ -108,6 +110,7 @@ class Kind:
         if not entry.array:
             struct.pack_into("<" + entry.format, into, entry.offset, value)
             return
+        value = _unmasked(value, entry)
         try:
             data = memoryview(value)
             same = data.format == entry.format and data.contiguous and data.ndim == 1
@@ -125,6 +128,18 @@ class Kind:
         if not entry.array:
             return struct.unpack_from("<" + entry.format, data, entry.offset)[0]
         return memoryview(data)[entry.offset : entry.end].cast(cast(Any, entry.format))
+
+
+def _unmasked(value: Any, entry: Entry) -> Any:
+    """Values as they are sent: what numpy's masked arrays hide is missing, as to the Supervisor's own door; what stands below is no value."""
+    if not hasattr(value, "filled"):
+        return value
+    hidden, below = value.mask.tolist(), value.data
+    if hidden is False:  # one flag for all of them: nothing is
+        return below
+    if entry.type not in _MISSING:
+        raise LinkError(f"`{entry.name}` is masked, and cannot be missing")
+    return [_MISSING[entry.type] if hides else one for one, hides in zip(below.tolist(), hidden, strict=True)]
 
 
 def _default(said: float | str | None) -> float | None:
