@@ -39,6 +39,25 @@ def test_it_is_green_from_the_start_and_decides_the_same_in_c(project: Path) -> 
     assert start.compiled(run_command, project / "build" / "c") == decided
 
 
+def test_what_comes_next_is_a_command_for_a_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, _ = run_command("init", "my car")
+    assert code == 0
+    assert "  cd 'my car'\n" in out
+
+
+def test_a_recording_does_not_take_the_place_of_its_declaration(project: Path) -> None:
+    path = project / "specs" / "scenarios" / "too_fast.yaml"
+    before = path.read_bytes()
+    linked = project / "other.tmrec.jsonl"
+    linked.symlink_to(path)
+    for out in ("specs/scenarios/too_fast.yaml", "other.tmrec.jsonl"):
+        code, _, err = run_command("scenario", "specs/scenarios/too_fast.yaml", "--out", out)
+        assert code == 2
+        assert "error[D120]: the declaration itself is no place for its recording" in err
+    assert path.read_bytes() == before
+
+
 def test_every_file_of_it_counts(project: Path) -> None:
     """Without its rule, a test, its requirement or its scenario the gate is red: it is green for a reason."""
     for name, old, new in (

@@ -6,6 +6,7 @@ Nothing is asked, and nothing that is there is changed. `trackmarshal new` adds 
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 
 from trackmarshal.cli.output import say
@@ -35,6 +36,6 @@ def run(args: argparse.Namespace) -> int:
     written.append(path)
     if not args.quiet:
         say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))
-        go = [] if root.resolve() == Path.cwd().resolve() else [f"cd {root}"]
+        go = [] if root.resolve() == Path.cwd().resolve() else [f"cd {shlex.quote(str(root))}"]
         say("next:", *(f"  {line}" for line in (*go, "trackmarshal test", "trackmarshal trace --gate")))
     return 0

@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 from trackmarshal.cli.output import say
+from trackmarshal.errors import TrackmarshalError
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +24,10 @@ def run(args: argparse.Namespace) -> int:
     declaration = Path(args.declaration)
     target = Path(args.out) if args.out else declaration.with_suffix(".tmrec.jsonl")
     recording = generate(declaration)
+    if target.exists() and target.samefile(declaration):
+        raise TrackmarshalError(
+            "D120", "the declaration itself is no place for its recording", file=str(target), help="another FILE, such as one that ends in .tmrec.jsonl"
+        )  # fmt: skip
     write(recording, target)
     if not args.quiet:
         say(f"{target}: {len(recording.cycles)} cycles")
