@@ -107,9 +107,28 @@ def test_a_claim_on_part_of_the_inputs_says_which(tmp_path: Path) -> None:
         tmp_path, 'rule r "r"\n  for all p in plan\n  require (p.v - 20 m/s)^2 <= 10 m * p.a\n'
     )
     (made,) = solve(rule, spec, (), "v", ENGLISH)
-    assert "wherever both sides are real numbers" in made.said
+    assert "wherever the rule applies and both sides are real numbers" in made.said
     (demand,) = made.formulas
     assert text(demand).count("v_p") == 1
+
+
+@pytest.mark.parametrize(
+    ("condition", "wanted"),
+    [
+        ("p.v < p.a * 1 s", "v_p < a_p"), at_length("p.a * 1 s > p.v", "v_p < a_p"), at_length("p.v > p.a * 1 s", "v_p > a_p"),
+        ("1 m/s < p.v <= p.a * 1 s", "1 < v_p ≤ a_p"), at_length("p.v^2 < 10 m * p.a", "|v_p| < √(10) · √(a_p)"),
+        at_length("p.v <= p.a * 1 s and p.v < p.a * 1 s", "v_p < a_p"),
+    ],
+)  # fmt: skip
+def test_a_demand_that_does_not_hold_on_its_boundary(condition: str, wanted: str, tmp_path: Path) -> None:
+    rule, spec = rule_of(tmp_path, f'rule r "r"\n  for all p in plan\n  require {condition}\n')
+    (made,) = solve(rule, spec, (), "v", ENGLISH)
+    assert [text(one) for one in made.formulas] == [wanted]
+    if "^2" in condition:
+        return  # there is no root of 40 whose square is 40
+    on = {name: [4.0, 4.0] for name in ("a", "v")}
+    verdict = Evaluator(spec, ["r"], "reference").case({"signals": {"plan": on}}).rules["r"].verdict
+    assert verdict == ("satisfied" if "≤ a_p" in wanted else "violated")
 
 
 @pytest.mark.parametrize(

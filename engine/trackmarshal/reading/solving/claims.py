@@ -35,12 +35,14 @@ class Claim(NamedTuple):
     """A rule holds up to a value of a number, from it on, or between two.
 
     conditions: what must not be negative for that, which is that the rule holds where the number is 0. zero: parameters that are taken for 0.
+    strict: of each bound, whether the rule does not hold on it, as a demand with `<` does not.
     """
 
     side: Side
     bounds: tuple[Expr, ...]
     conditions: tuple[Expr, ...]
     zero: tuple[Place, ...]
+    strict: tuple[bool, ...]
 
 
 class Solver:
@@ -52,7 +54,9 @@ class Solver:
         self.quantities = Quantities(Formulas(), spec, target)
         self._spec = spec_in_si(spec)
         self._inputs = Inputs(rule, self._spec)
-        self._differences = [right - left for left, right in _demands(rule.typed, self.quantities)]
+        demands = list(_demands(rule.typed, self.quantities))
+        self._differences = [right - left for left, right, _ in demands]
+        self._strict = [strict for *_, strict in demands]
         if target not in self.quantities.symbols:
             raise Unsolvable("absent")
         self.symbol = self.quantities.symbols[target]
@@ -86,15 +90,16 @@ class Solver:
         """What has to be so, and where that is claimed."""
         x = self.quantities.shown[self.symbol]
         bounds = [printed(one, self.quantities.shown) for one in claim.bounds]
+        most = ["<" if strict else "≤" for strict in claim.strict]
         match claim.side:
             case "up to":
-                yield _chain(x, ("≤", bounds[0]))
+                yield _chain(x, (most[0], bounds[0]))
             case "from":
-                yield _chain(x, ("≥", bounds[0]))
+                yield _chain(x, (">" if claim.strict[0] else "≥", bounds[0]))
             case "between":
-                yield _chain(bounds[0], ("≤", x), ("≤", bounds[1]))
+                yield _chain(bounds[0], (most[0], x), (most[1], bounds[1]))
             case "magnitude":
-                yield _chain(at.Fence("|", x), ("≤", bounds[1]))
+                yield _chain(at.Fence("|", x), (most[1], bounds[1]))
             case _:
                 assert_never(claim.side)
         where = at.Word("where ")
@@ -117,7 +122,12 @@ class Solver:
 
         without = {self.quantities.symbols[place]: 0 for place in zero}
         differences = [one.subs(without) for one in self._differences]
-        roots = [root for one in differences for root in zeros(one, self.symbol)]
+        found = [zeros(one, self.symbol) for one in differences]
+        roots = [root for some in found for root in some]
+        # Where a number is a zero of a strict demand, that one does not hold, whatever else has its zero there.
+        strict = {
+            root for some, is_strict in zip(found, self._strict, strict=True) if is_strict for root in some
+        }
         at_zero = [sympy.simplify(one.subs(self.symbol, 0)) for one in differences]
         made = [_compiled(one, self.quantities) for one in (*roots, *at_zero)]
         choose = random.Random(f"{self._name} {self.target} {zero}")
@@ -134,7 +144,9 @@ class Solver:
                 }
                 if right and len(about) >= PILOT // 4 and (best is None or len(about) > best[0]):
                     stated = tuple(one for one in at_zero if conditions and not one.is_nonnegative)
-                    best = len(about), Claim(side, tuple(roots[k] for k in numbers), stated, zero), holds
+                    bounds = tuple(roots[k] for k in numbers)
+                    claim = Claim(side, bounds, stated, zero, tuple(one in strict for one in bounds))
+                    best = len(about), claim, holds
             if best is not None and self._checked(made, len(roots), best[2], zero, choose):
                 return best[1]
         return None
@@ -206,8 +218,12 @@ _Root = Callable[[Sequence[float]], "float | None"]
 Holding = Callable[["Sequence[float | None]", float], "bool | None"]
 
 
-def _demands(rule: typed.Rule, known: Quantities) -> Iterator[tuple[Expr, Expr]]:
-    """What has to be at most what, all of it for every variable of the rule."""
+#: What has to be at most what, or less than it (True).
+_Demand = tuple["Expr", "Expr", bool]
+
+
+def _demands(rule: typed.Rule, known: Quantities) -> Iterator[_Demand]:
+    """All of it for every variable of the rule."""
     for clause in rule.clauses:
         if isinstance(clause, typed.Along | typed.Deadline) or (
             isinstance(clause, typed.ForEach) and (clause.quantifier == "exists" or clause.by is not None)
@@ -216,7 +232,7 @@ def _demands(rule: typed.Rule, known: Quantities) -> Iterator[tuple[Expr, Expr]]
     yield from _parts(rule.condition, known)
 
 
-def _parts(node: typed.Formula, known: Quantities) -> Iterator[tuple[Expr, Expr]]:
+def _parts(node: typed.Formula, known: Quantities) -> Iterator[_Demand]:
     match node:
         case typed.Comparison():
             yield _ordered(node.op, expression(node.left, known), expression(node.right, known))
@@ -226,8 +242,8 @@ def _parts(node: typed.Formula, known: Quantities) -> Iterator[tuple[Expr, Expr]
                 yield _ordered(op, left, right)
         case typed.Within():
             value = expression(node.value, known)
-            yield expression(node.lower, known), value
-            yield value, expression(node.upper, known)
+            yield expression(node.lower, known), value, False
+            yield value, expression(node.upper, known), False
         case typed.Connective() if node.op == "and":
             yield from _parts(node.left, known)
             yield from _parts(node.right, known)
@@ -239,12 +255,12 @@ def _parts(node: typed.Formula, known: Quantities) -> Iterator[tuple[Expr, Expr]
             raise Unsolvable("comparison")
 
 
-def _ordered(op: typed.Comparing, left: Expr, right: Expr) -> tuple[Expr, Expr]:
+def _ordered(op: typed.Comparing, left: Expr, right: Expr) -> _Demand:
     match op:
         case "<" | "<=":
-            return left, right
+            return left, right, op == "<"
         case ">" | ">=":
-            return right, left
+            return right, left, op == ">"
         case "==" | "!=":
             raise Unsolvable("equality")
 
