@@ -214,6 +214,22 @@ def test_a_planner_that_was_replaced_is_not_heard() -> None:
         rig.close()
 
 
+@BOTH
+def test_a_forked_planner_has_no_client(rig: Rig) -> None:
+    """Both would count on with the same numbers: a decision about the one's cycle was the answer to the other's, which nobody judged."""
+    child = os.fork()
+    if child == 0:
+        try:
+            rig.send(3)
+        except LinkError as error:
+            os._exit(3 if "another process" in str(error) else 4)
+        finally:
+            os._exit(5)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
+    assert rig.step(3)["safe"] == 1
+    assert rig.refused() == {}
+
+
 @pytest.mark.verifies("S-1-B-3")
 def test_borders_of_a_planner_that_starts_are_not_for_the_cycle_of_the_one_before() -> None:
     """The cycle waits; a new planner has put its borders there, which count from 1 as those of before did, and no cycle yet."""

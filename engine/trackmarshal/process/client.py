@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
@@ -96,6 +97,7 @@ class Client:
         self.layout, self.channel, self._clock = layout, channel, clock
         #: A client that starts later replaces this one.
         self.session = time.monotonic_ns()
+        self._process = os.getpid()
         self._sequence = 0
         self._cycle, self._line, self._tick = (layout.kinds[name] for name in ("cycle", "line", "tick"))
         self._groups = _groups(self._cycle, layout)
@@ -181,6 +183,9 @@ class Client:
     # Parts ------------------------------------------------------------------------------------------------------
 
     def _post(self, kind: Kind, box: str, message: bytearray) -> int:
+        # A copy in a forked process would count on with the same numbers, and each take decisions about the other's cycles for its own.
+        if os.getpid() != self._process:
+            raise LinkError("this client is that of another process: make one behind the fork")
         self._sequence += 1
         self.layout.seal(message, kind, self.session, self._sequence, self._clock())
         return self._sequence if self.channel.send(box, message) else 0
