@@ -26,13 +26,14 @@ from support.cycles import cycle
 from support.processes import PATIENCE, Rig, Served, built
 from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.process.client import Border
+from trackmarshal.process.client import Border, Client
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
 from trackmarshal.process.shared_memory import SharedMemory
+from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Limits
-from trackmarshal.runtime.frame import Settings
+from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 BOTH = pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"], indirect=True)
@@ -430,6 +431,24 @@ def test_a_client_of_another_layout_finds_no_supervisor() -> None:
         assert rig.refused() == {"layout": 3}  # two borders and a cycle
         foreign.client.close()
         rig.close()
+
+
+def test_a_supervisor_of_something_else_is_not_spoken_for() -> None:
+    """Its rules have the same names; what is said of its decisions, and recorded, would be of other limits, values or formulas."""
+    spec, program = shipped(), built()
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    with Served(program) as served:
+        client = Client(program.layout, served.channel())
+        for changed, given, settings in (
+            ("limits", Limits(budget=0.04), NO_SETTINGS),
+            ("capacities", Limits(samples=64), NO_SETTINGS),
+            ("params", None, Settings({"supervisor.trajectory.d_loc": 12.0})),
+        ):
+            with pytest.raises(LinkError, match=f"the process has other {changed}: start it anew"):
+                RemoteSupervisor(spec, rules, client, given, settings=settings)
+        with pytest.raises(LinkError, match="the process has other rules and"):
+            RemoteSupervisor(spec, rules[1:], client)
+        RemoteSupervisor(spec, rules, client).close()
 
 
 @BOTH

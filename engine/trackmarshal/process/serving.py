@@ -12,7 +12,7 @@ from pathlib import Path
 
 from trackmarshal.backends.c.build import program
 from trackmarshal.backends.c.process.emit import UNITS, Emitted
-from trackmarshal.backends.c.source import generated
+from trackmarshal.backends.c.source import Source, generated
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.messages import Layout
@@ -54,11 +54,15 @@ def build(
             "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
         )
     source = generated(spec, rules, doored=True)
-    given = limits or Limits.of(spec)
-    held = {name: float(value) for name, value in asdict(given).items()}
-    made = Emitted(source, held, with_limits(spec, given, settings))
+    made = emitted(source, limits or Limits.of(spec), settings)
     path = program(source, made.files, UNITS, made.sizes)
     return Built(path, Layout(made.description))
+
+
+def emitted(source: Source, limits: Limits, settings: Settings) -> Emitted:
+    """What is compiled, and the description of its messages; raises TrackmarshalError E403 where limits break a constraint of the spec."""
+    held = {name: float(value) for name, value in asdict(limits).items()}
+    return Emitted(source, held, with_limits(source.plan.spec, limits, settings))
 
 
 def shared_path(name: str) -> str:

@@ -19,7 +19,8 @@ from trackmarshal.backends.c.step import Reason, Said
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.client import Block, Client, Found
-from trackmarshal.process.messages import Entry, LinkError, Message
+from trackmarshal.process.messages import Entry, Layout, LinkError, Message
+from trackmarshal.process.serving import emitted
 from trackmarshal.runtime.contract import RECORD
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.frame import NO_SETTINGS, Arena, Columns, Settings
@@ -47,13 +48,26 @@ class RemoteSupervisor(CSupervisor):
         settings: Settings = NO_SETTINGS, patience: float = 0.1,
     ) -> None:  # fmt: skip
         self.client = client
-        super().__init__(
-            spec, rules, limits, clock, settings, lambda source: RemoteStepper(source, client, patience)
-        )
+        given = Limits.of(spec) if limits is None else limits
+
+        def stepping(source: Source) -> RemoteStepper:
+            _refuse_other(client.layout, Layout(emitted(source, given, settings).description))
+            return RemoteStepper(source, client, patience)
+
+        super().__init__(spec, rules, limits, clock, settings, stepping)
 
     def close(self) -> None:
         super().close()
         self.client.close()
+
+
+def _refuse_other(theirs: Layout, ours: Layout) -> None:
+    """Raise LinkError for a process that was made of something else: what is said of its decisions, and recorded, would be of other rules."""
+    if theirs.fingerprint == ours.fingerprint:
+        return
+    parts = ("rules", "limits", "params", "tables", "capacities", "program")
+    other = [part for part in parts if theirs.said[part] != ours.said[part]] or ["messages"]
+    raise LinkError(f"the process has other {' and '.join(other)}: start it anew with those of this spec")
 
 
 class RemoteStepper:
@@ -64,10 +78,7 @@ class RemoteStepper:
     def __init__(self, source: Source, client: Client, patience: float) -> None:
         given = source.supervised
         assert given is not None
-        layout = client.layout
         names = [code.rule.name for code in source.rules]
-        if layout.rules != names:
-            raise LinkError("the process has other rules")
         self.words: Words = words(given)
         self._records = {signal.name for signal in given.inputs if signal.form == RECORD}
         self.client, self._patience = client, patience
