@@ -34,6 +34,7 @@ from trackmarshal.comparing.changes import Column, changed
 from trackmarshal.comparing.render import data, markdown, text
 from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
+from trackmarshal.scenarios.recording_io import write
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests" / "golden" / "diff"
@@ -288,6 +289,37 @@ def test_a_revision_beside_what_is_here(project: Path, capsys: pytest.CaptureFix
     assert main(["diff", "HEAD", "specs/supervisor", *on, "--format", "md"]) == 1
     assert "| speed\\_limit | stricter" in capsys.readouterr().out
     assert not [path for path in project.parent.rglob("*") if "trackmarshal-diff" in path.name]
+
+
+def test_an_edit_that_a_recording_does_not_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It has its own value in place of both: that nothing differs says nothing of the edit."""
+    rules = """module m
+signal plan : trajectory {{ t: s increasing, v: m/s }}
+param top : m/s = {top} m/s in [0, 150] source "us"
+param low : m/s = -1 m/s in [-10, 150] source "us"
+table most(v: m/s) -> m/s = linear clamp
+  | 0 m/s: 90 m/s | 100 m/s: {top} m/s |
+  source "us"
+rule r "r"
+  for all p in plan
+  require p.v in [low, top] and p.v <= most(p.v)
+"""
+    for name, top in (("old", 30), ("new", 29)):
+        (tmp_path / f"{name}.spec").write_text(rules.format(top=top))
+    sides = [str(tmp_path / f"{name}.spec") for name in ("old", "new")]
+    recording = replace(tm.load_recording(CUT_IN), use=(), params={}, tables={})
+    own = replace(recording, params={"top": 50.0, "low": -2.0}, tables={"most": ((0.0, 90.0), (100.0, 90.0))})
+    for one, name in ((recording, "plain"), (own, "own")):
+        write(replace(one, name=name), tmp_path / f"{name}.tmrec.jsonl")
+    assert main(["diff", *sides, "--on", str(tmp_path / "plain.tmrec.jsonl")]) == 1
+    assert "note:" not in capsys.readouterr().err
+    assert main(["diff", *sides, "--on", str(tmp_path / "own.tmrec.jsonl")]) == 0
+    found = capsys.readouterr()
+    assert found.out.startswith("rules: 1 equal")
+    assert [line for line in found.err.splitlines() if line.startswith("note:")] == [
+        "note: own does not show an edit: it has m.top = 50 m/s in place of 30 m/s and 29 m/s",
+        "note: own does not show an edit: it has the table m.most in place of both",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ OLD and NEW are spec files, folders with specs, projects, or git revisions. The 
 from __future__ import annotations
 
 import argparse
+import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
@@ -67,6 +68,8 @@ def run(args: argparse.Namespace) -> int:
             recording = load(path)
             old, new = (side.judge(recording, args.quiet) for side in sides)
             pairs.append(Pair(old, new))
+            if not args.quiet:
+                _note(old, new)
     made = compared(pairs, _renamed(args.renamed, pairs))
     if args.format == "json":
         print(to_json(made))
@@ -126,6 +129,14 @@ class _Side:
             return progress(chunks, recording.name, quiet)
 
         return judge(evaluator, configured, watch)  # type: ignore[arg-type]
+
+
+def _note(old: Judged, new: Judged) -> None:
+    """Say which edited values a recording does not show: that nothing differs on it says nothing of them."""
+    from trackmarshal.scenarios.overrides import hidden
+
+    for one in hidden(new.recording, old.evaluator.spec, new.evaluator.spec):
+        say(f"note: {new.recording.name} does not show an edit: it has {one}", file=sys.stderr)
 
 
 def _renamed(given: Sequence[str], pairs: Sequence[object]) -> dict[str, str]:

@@ -73,6 +73,20 @@ def overrides(recording: Recording, spec: Spec) -> Iterator[Override]:
                 )
 
 
+def hidden(recording: Recording, old: Spec, new: Spec) -> Iterator[str]:
+    """Values that two specs declare otherwise, and of which the recording shows nothing, since it has its own in place of both."""
+    for name, value in recording.params.items():
+        for info in _named(new.params, name):
+            before = old.params.get(info.name)
+            if before is not None and before.value != info.value:
+                yield f"{info.name} = {_shown(value, info)} in place of {in_full(before.value, before.unit)} and {in_full(info.value, info.unit)}"
+    for name in recording.tables:
+        for table in _named(new.tables, name):
+            was = old.tables.get(table.name)
+            if was is not None and (was.knots, was.values) != (table.knots, table.values):
+                yield f"the table {table.name} in place of both"
+
+
 def _named(infos: Any, name: str) -> Iterator[Any]:
     return (info for info in infos.values() if name in (info.name, short_name(info)))
 
