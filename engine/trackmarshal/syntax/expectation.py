@@ -9,7 +9,7 @@ _SPOKEN = {
     "COMPARE": "a comparison", "RPAR": "`)`", "LPAR": "`(`", "LSQB": "`[`", "RSQB": "`]`", "LBRACE": "`{`", "RBRACE": "`}`",
     "COLON": "`:`", "COMMA": "`,`", "EQUAL": "`=`", "VBAR": "`|`", "DOT": "`.`", "RELATION": "`>` or `~`",
     "_FOR_ALL": "`for all`", "_FOR_NEAREST": "`for nearest`", "_EXISTS_NEAREST": "`exists nearest`", "SET": "`set of`", "_FOR": "`for`", "MINUS": "`-`", "SUPERSCRIPT": "`²`",
-    "UNTIL": "`until`", "TEMPORAL": "`always`", "STEP": "`next`", "$END": "the end of the declaration",
+    "_ARROW": "`->`", "UNTIL": "`until`", "TEMPORAL": "`always`", "STEP": "`next`", "$END": "the end of the declaration",
 }  # fmt: skip
 
 _EXPRESSION = {"NAME", "NUMBER", "QUANTITY", "LPAR"}
@@ -42,7 +42,7 @@ def spoken(terminals: set[str]) -> str:
     words: list[str] = []
     if names >= _EXPRESSION:
         words.append("an expression")
-        names -= _EXPRESSION | _FORMULA | {"MINUS", "_IF", "_CASE", "√", "_TRUE", "_FALSE", "_IN", "__ANON_0"}
+        names -= _EXPRESSION | _FORMULA | {"MINUS", "_IF", "_CASE", "√", "_TRUE", "_FALSE", "_IN"}
         names = {name for name in names if not name.startswith("__")}
     elif len(names & _OPERATORS) > 2:
         words.append("an operator")
