@@ -58,6 +58,19 @@ def test_a_recording_does_not_take_the_place_of_its_declaration(project: Path) -
     assert path.read_bytes() == before
 
 
+def test_a_file_behind_a_link_that_leads_out_is_not_said_to_be_missing(project: Path) -> None:
+    path = project / "specs" / "scenarios" / "too_fast.yaml"
+    path.rename(project.parent / "elsewhere.yaml")
+    path.symlink_to(project.parent / "elsewhere.yaml")
+    code, out, _ = run_command("trace", "--gate")
+    assert code == 1
+    assert "too_fast.yaml: the recording is behind a link that leads out of the project\n" in out
+    assert "error[T240]: the recording `specs/scenarios/too_fast.yaml` is behind a link that leads out" in out
+    assert "help: put the file itself there, or strike the entry" in out
+    path.unlink()
+    assert "too_fast.yaml: the recording is not there\n" in run_command("trace", "--gate")[1]
+
+
 def test_every_file_of_it_counts(project: Path) -> None:
     """Without its rule, a test, its requirement or its scenario the gate is red: it is green for a reason."""
     for name, old, new in (

@@ -32,6 +32,11 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
     documents |= {item.evidence for item in items if item.evidence}
     found = {path: sha256(root, path) for path in sorted(paths)}
     found |= {path: _document(root, path) for path in sorted(documents)}
+    found |= {
+        led_out(path): ""
+        for path in sorted(paths | documents)
+        if found[path] is None and _outside(root, path)
+    }
     about: dict[str, set[str]] = {}
     for e in project.evidence:
         about.setdefault(str(e.path), set()).update(map(str, e.requirements))
@@ -44,6 +49,23 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
 def naming(path: str) -> str:
     """Where, beside hashes, the ids of the requirements stand that evidence at a path is about and does not name."""
     return f"{path}: not named"
+
+
+def led_out(path: str) -> str:
+    """Where, beside hashes, it stands that a path leads by a link to a file out of the project, which is none of it."""
+    return f"{path}: out of the project"
+
+
+def lacking(path: str, found: Hashes) -> str:
+    """What a file that does not count lacks: nobody has to look for one that is there."""
+    if led_out(path) in found:
+        return "is behind a link that leads out of the project"
+    return "is not there" if found.get(path) is None else "says nothing"
+
+
+def _outside(root: Path, path: str) -> bool:
+    """Whether a path leads to a file out of the project."""
+    return _bytes(root, path) is None and _bytes(root, path, outside=True) is not None
 
 
 def _unnamed(root: Path, path: str, ids: Iterable[str]) -> str:
@@ -123,7 +145,7 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
     for entry in project.evidence:
         actual = found.get(entry.path)
         if not actual:
-            message = f"the evidence `{entry.path}` {_lacking(actual)}"
+            message = f"the evidence `{entry.path}` {lacking(entry.path, found)}"
             yield error("T250", message, entry.path.place, "write it, or strike the entry", entry.path)
         elif entry.sha256 and actual != entry.sha256:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
@@ -131,19 +153,15 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             yield error("T251", message, entry.path.place, help_, entry.path)
     for made, path in _written_down(project):
         if not found.get(path):
-            message = f"the document `{path}` of the {made.kind} `{made.id}` {_lacking(found.get(path))}"
+            message = f"the document `{path}` of the {made.kind} `{made.id}` {lacking(path, found)}"
             yield error("T250", message, path.place, "write it, or strike the entry", path)
     for item in spec.by_name.values():
         if item.kind == "assume" and item.evidence and not found.get(item.evidence):
-            lacks = _lacking(found.get(item.evidence))
+            lacks = lacking(item.evidence, found)
             message = f"the evidence `{item.evidence}` of the assumption `{item.name}` {lacks}"
             yield error(
                 "T252", message, item_place(item), "write it; paths are relative to the project", item.name
             )
-
-
-def _lacking(actual: str | None) -> str:
-    return "is not there" if actual is None else "says nothing"
 
 
 @dataclass(frozen=True, slots=True)

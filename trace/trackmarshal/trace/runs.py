@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
-from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.files import Hashes, lacking, led_out
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
@@ -112,7 +112,7 @@ def _held(scenario: Scenario, spec: Spec, hashes: Hashes) -> RunSummary | Showin
     if not scenario.expect:
         return Showing("missing", "what it is to show is not known")
     if hashes.get(scenario.path) is None:
-        return Showing("missing", "the recording is not there")
+        return Showing("missing", f"the recording {lacking(scenario.path, hashes)}")
     if run is None:
         return Showing("missing", "not run")
     stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
@@ -257,9 +257,9 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         place, path = scenario.path.place, str(scenario.path)
         run = spec.runs.get(path)
         if hashes.get(path) is None:
-            yield error(
-                "T240", f"the recording `{path}` is not there", place, "restore it, or strike the entry", path
-            )
+            out = led_out(path) in hashes
+            help_ = f"{'put the file itself there' if out else 'restore it'}, or strike the entry"
+            yield error("T240", f"the recording `{path}` {lacking(path, hashes)}", place, help_, path)
             continue
         if run is None:
             yield warning(
