@@ -131,6 +131,26 @@ def test_a_demand_that_does_not_hold_on_its_boundary(condition: str, wanted: str
     assert verdict == ("satisfied" if "≤ a_p" in wanted else "violated")
 
 
+def test_numbers_of_a_solution_are_said_to_be_in_si() -> None:
+    """Whatever units the spec is written in: `top` is 50 km/h, and is not to be read as 50 here."""
+    spec = loads("""module m
+param top : km/h = 50 km/h in [1, 200]
+signal cars : set of object { v: km/h in [-100, 100], h: deg in [-180, 180] }
+rule r "r"
+  for all o in cars
+  require o.v + 36 km/h <= top
+rule turned "t"
+  for all o in cars
+  require abs(o.h) <= 90 deg
+""")
+    for name, number, wanted in (("r", "v", "v_o ≤ top − 10"), ("turned", "h", "|h_o| ≤ 1.5707963267948966")):
+        rule = spec.rule(name)
+        assert rule is not None
+        (made,) = solve(rule, spec, (), number, ENGLISH)
+        assert [text(one) for one in made.formulas] == [wanted]
+        assert made.said.endswith("All numbers in it are in SI units.")
+
+
 @pytest.mark.parametrize(
     ("condition", "wanted"),
     [

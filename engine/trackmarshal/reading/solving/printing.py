@@ -81,9 +81,9 @@ class _Printing:
             return at.Prefix(at.Sign("−"), self.at(-made, RAISED)), SIGNED
         if made.is_Integer:
             return at.Digits(str(made)), WHOLE
-        decimal = f"{float(made):.15g}"
-        if sympy.Rational(decimal) == made:
-            return at.Digits(decimal), WHOLE
+        for decimal in (f"{float(made):.15g}", repr(float(made))):
+            if sympy.Rational(decimal) == made:
+                return at.Digits(decimal), WHOLE
         return at.Fraction(at.Digits(str(made.p)), at.Digits(str(made.q))), RAISED
 
     def _sum(self, made: Expr) -> tuple[Layout, int]:
