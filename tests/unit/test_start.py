@@ -71,6 +71,29 @@ def test_a_file_behind_a_link_that_leads_out_is_not_said_to_be_missing(project: 
     assert "too_fast.yaml: the recording is not there\n" in run_command("trace", "--gate")[1]
 
 
+def test_a_campaign_behind_a_link_that_leads_out_is_not_said_to_be_missing(project: Path) -> None:
+    declared = project / "requirements" / "v-model.yaml"
+    text = declared.read_text("utf-8")
+    declared.write_text(
+        text.replace("  scenarios:\n", "  campaigns: [specs/scenarios/faults.yaml]\n  scenarios:\n", 1),
+        "utf-8",
+    )
+    nothing = (
+        "format: trackmarshal-faults\nversion: 1\nname: few\nrecording: too_fast.yaml\nlead: 0.2\nfaults:\n"
+    )
+    nothing += "  - {id: F-1, title: Nothing, requirement: R-1, begin: 1, end: 1.2, change: [], expect: {}}\n"
+    (project.parent / "faults.yaml").write_text(nothing, "utf-8")
+    path = project / "specs" / "scenarios" / "faults.yaml"
+    path.symlink_to(project.parent / "faults.yaml")
+    out = run_command("trace", "--gate")[1]
+    assert "error[T264]: the campaign `specs/scenarios/faults.yaml` is behind a link that leads out" in out
+    assert "help: put the file itself there, or strike the entry" in out
+    path.unlink()
+    out = run_command("trace", "--gate")[1]
+    assert "error[T264]: the campaign `specs/scenarios/faults.yaml` is not there" in out
+    assert "help: restore it, or strike the entry" in out
+
+
 def test_every_file_of_it_counts(project: Path) -> None:
     """Without its rule, a test, its requirement or its scenario the gate is red: it is green for a reason."""
     for name, old, new in (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.records import FaultCase, FaultResult
-from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
@@ -91,13 +91,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
     """What is wrong with campaigns and their results (T260 to T264)."""
     for path in project.campaigns:
         if hashes.get(path) is None:
-            yield error(
-                "T264",
-                f"the campaign `{path}` is not there",
-                path.place,
-                "restore it, or strike the entry",
-                path,
-            )
+            message = f"the campaign `{path}` {lacking(path, hashes)}"
+            yield error("T264", message, path.place, way_out(path, hashes), path)
     # What is found of a fault may change with any rule, and with the recording.
     judged = (*spec.by_name, *(str(s.path) for s in project.scenarios))
     not_run: list[FaultCase] = []

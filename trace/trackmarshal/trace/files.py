@@ -63,6 +63,11 @@ def lacking(path: str, found: Hashes) -> str:
     return "is not there" if found.get(path) is None else "says nothing"
 
 
+def way_out(path: str, found: Hashes) -> str:
+    """What to do about a file that does not count."""
+    return f"{'put the file itself there' if led_out(path) in found else 'restore it'}, or strike the entry"
+
+
 def _outside(root: Path, path: str) -> bool:
     """Whether a path leads to a file out of the project."""
     return _bytes(root, path) is None and _bytes(root, path, outside=True) is not None

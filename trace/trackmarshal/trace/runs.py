@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
-from trackmarshal.trace.files import Hashes, lacking, led_out
+from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
@@ -257,9 +257,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
         place, path = scenario.path.place, str(scenario.path)
         run = spec.runs.get(path)
         if hashes.get(path) is None:
-            out = led_out(path) in hashes
-            help_ = f"{'put the file itself there' if out else 'restore it'}, or strike the entry"
-            yield error("T240", f"the recording `{path}` {lacking(path, hashes)}", place, help_, path)
+            message = f"the recording `{path}` {lacking(path, hashes)}"
+            yield error("T240", message, place, way_out(path, hashes), path)
             continue
         if run is None:
             yield warning(
