@@ -62,14 +62,16 @@ class Node:
         inner = ", ".join(f"{name}={self.__dict__[name]!r}" for name in self.compared)
         return f"{type(self).__name__}({inner})"
 
-    def children(self) -> Iterator[Node]:
+    def children(self) -> list[Node]:
         """The nodes held directly in fields, and in tuples in fields, in order."""
+        found, values = [], self.__dict__
         for name in self.compared:
-            value = self.__dict__[name]
+            value = values[name]
             if isinstance(value, Node):
-                yield value
+                found.append(value)
             elif isinstance(value, tuple):
-                yield from (item for item in value if isinstance(item, Node))
+                found += [item for item in value if isinstance(item, Node)]
+        return found
 
     def walk(self) -> Iterator[Node]:
         """This node and all below it, parents first; iterative, so depth is no limit."""
@@ -77,4 +79,4 @@ class Node:
         while stack:
             node = stack.pop()
             yield node
-            stack.extend(reversed(list(node.children())))
+            stack.extend(reversed(node.children()))

@@ -7,14 +7,14 @@ import re
 from fractions import Fraction
 from functools import lru_cache
 
-#: Exponents of metre, second and kilogram.
-Dimension = tuple[Fraction, Fraction, Fraction]
+#: Exponents of metre, second and kilogram. Whole ones are ints, which are quickly compared.
+Dimension = tuple["int | Fraction", "int | Fraction", "int | Fraction"]
 
 _F = Fraction
-NUMBER: Dimension = (_F(0), _F(0), _F(0))
-LENGTH: Dimension = (_F(1), _F(0), _F(0))
-TIME: Dimension = (_F(0), _F(1), _F(0))
-MASS: Dimension = (_F(0), _F(0), _F(1))
+NUMBER: Dimension = (0, 0, 0)
+LENGTH: Dimension = (1, 0, 0)
+TIME: Dimension = (0, 1, 0)
+MASS: Dimension = (0, 0, 1)
 
 
 def times(a: Dimension, b: Dimension) -> Dimension:
@@ -26,7 +26,13 @@ def over(a: Dimension, b: Dimension) -> Dimension:
 
 
 def power(a: Dimension, n: Fraction) -> Dimension:
-    return (a[0] * n, a[1] * n, a[2] * n)
+    x, y, z = (exponent * n for exponent in a)
+    return (_whole(x), _whole(y), _whole(z))
+
+
+def _whole(number: int | Fraction) -> int | Fraction:
+    """The same number, an int if it is one."""
+    return number.numerator if number.denominator == 1 else number
 
 
 SPEED = over(LENGTH, TIME)
@@ -188,7 +194,7 @@ def show(dimension: Dimension) -> str:
     return "/".join(["*".join(above) or "1", *below])
 
 
-def _factor(name: str, exponent: Fraction) -> str:
+def _factor(name: str, exponent: int | Fraction) -> str:
     if exponent == 1:
         return name
     return f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"
