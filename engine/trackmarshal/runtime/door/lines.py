@@ -43,23 +43,25 @@ def _point_rounded(point: Any) -> str:
 
 
 def line(points: Any) -> Line:
-    """A line of an array or a list of points [x, y] in m, which are copied; raises ValueError for anything else."""
+    """A line of an array or a list of points [x, y] in m, which are copied, as the door reads one; raises ValueError for what it refuses, and for an
+    empty list, which somebody forgot to fill."""
+    if values.is_a(points, (list, tuple)) and not points:
+        raise ValueError("a line is a list of points [x, y], and this one is empty")
     try:
-        given = points if isinstance(points, np.ndarray) else np.array(points)
-        array = np.array(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"a line is a list of points [x, y] of numbers, not {points!r:.60}") from None
-    if array.ndim != 2 or array.shape[1] != 2:
-        raise ValueError(f"a line is a list of points [x, y], not of shape {array.shape}")
-    rows = given if given.dtype == object else points if values.is_a(points, (list, tuple)) else ()
-    if lost := _rounded(given) or next(filter(None, map(_point_rounded, rows)), ""):
-        raise ValueError(lost)
+        return LineReader().read(points)
+    except NoLineError as error:
+        place = "" if error.index is None else f"point {error.index}: "
+        raise ValueError(f"a line is a list of points [x, y] of numbers; {place}{error.message}") from None
+
+
+def _made(points: Floats) -> Line:
+    """A line of points, (n, 2) [m], which are copied."""
     # numpy lets nobody write to memory that is bytes.
-    return Line(np.frombuffer(array.tobytes(), dtype=np.float64).reshape(-1, 2))
+    return Line(np.frombuffer(points.tobytes(), dtype=np.float64).reshape(-1, 2))
 
 
 #: The line of no points, where one is missing.
-NOWHERE = line(np.zeros((0, 2)))
+NOWHERE = _made(np.zeros((0, 2)))
 
 
 def _pickled(made: Line) -> tuple[Any, ...]:
@@ -126,10 +128,10 @@ class LineReader:
     def _known_as(self, content: Any, raw: Any = None) -> Line:
         """The line of this content; None for data without one. What is kept is read from the content: data may change meanwhile."""
         if content is None:
-            return line(points_of(raw))
+            return _made(points_of(raw))
         found = self._known.get(content)
         if found is None:
-            found = self._known[content] = line(_points(content))
+            found = self._known[content] = _made(_points(content))
             while len(self._known) > KEPT:
                 self._known.popitem(last=False)
         return found
