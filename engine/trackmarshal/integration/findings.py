@@ -31,7 +31,7 @@ ADVICE = {
     "over_capacity": "declare it in the module `supervisor.limits`, give `limits` at the start, or tm.resample",
     "starts_elsewhere": "both candidates begin where the car is at the stamp; make both from the same pose, in the same cycle",
     "not_at_rest": "an emergency trajectory ends at rest; tm.cut_at_rest ends it there where it creeps on",
-    "late": "send a cycle in every period, or declare a larger `longest_gap`; `t_next`, `t_unseen` and `response` of the rules have to cover it, too",
+    "late": "send a cycle in every period, or declare a larger `longest_gap`; `t_next`, `t_unseen`, `response` and `response_other` of the rules have to cover it, too",
     "repeated": "count every cycle, and stamp it when its data was taken",
     "out_of_order": "send cycles in the order of their stamps",
     "duplicate": "ids tell objects apart; each stands once",
