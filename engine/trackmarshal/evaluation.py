@@ -7,6 +7,7 @@ import math
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache, cached_property
 from itertools import chain
 from pathlib import Path
@@ -477,16 +478,27 @@ class Run:
     def step(self, frame: Frame, series: bool = False) -> CaseResult:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one, D211 for a curvature that
         is not there."""
-        if not isinstance(frame, Frame):
-            raise wrong_type("a frame is what `Evaluator.read` makes of a case", frame)
-        program = self._evaluator.program
-        self._evaluator.refuse_straight(frame)
-        with self._evaluator.alone:
-            self._last = stamp_after(frame, self._last)
+        with self._coming(frame):
+            program = self._evaluator.program
             judged = program.judge(self._memory, frame)
             self._memory = program.commit(self._memory, frame, None)
             ((_, rated),) = judged.rated.items()
             return self._evaluator.result(frame, rated, series)
+
+    def remember(self, frame: Frame) -> None:
+        """The next cycle, of which only what is remembered of it is asked. Raises TrackmarshalError as `step`."""
+        with self._coming(frame):
+            self._memory = self._evaluator.program.commit(self._memory, frame, None)
+
+    @contextmanager
+    def _coming(self, frame: Frame) -> Iterator[None]:
+        """With a frame that can follow."""
+        if not isinstance(frame, Frame):
+            raise wrong_type("a frame is what `Evaluator.read` makes of a case", frame)
+        self._evaluator.refuse_straight(frame)
+        with self._evaluator.alone:
+            self._last = stamp_after(frame, self._last)
+            yield
 
     def missed(self) -> None:
         """A cycle that could not be read: a gap."""

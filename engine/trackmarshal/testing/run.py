@@ -188,14 +188,22 @@ def _itself(result: RuleResult) -> RuleResult:
 def _over_run(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
     run = evaluator.over_run()
     gaps = []
-    for t, signals in ((0.0, test.case["signals"]), *test.later):
-        named = {name: _named(value) for name, value in signals.items()}
-        result = run.step(evaluator.read({**test.case, "signals": named, "t": t}))
-        gaps += [f"of the cycle at {t:g} s nothing is known: {fault}" for fault in result.faults[:1]]
+    *before, last = (_read(evaluator, test, *cycle) for cycle in ((0.0, test.case["signals"]), *test.later))
+    for frame in before:
+        run.remember(frame)
+    result = run.step(last)
+    for frame in (*before, last):
+        gaps += [f"of the cycle at {frame.t:g} s nothing is known: {fault}" for fault in frame.faults[:1]]
     said = result.rules[test.rule.name]
     if not gaps or result.faults:  # what is wrong with the last cycle is its own reason
         return said
     return replace(said, reason="; ".join(filter(None, (said.reason, gaps[0]))))
+
+
+def _read(evaluator: Evaluator, test: PreparedTest, t: float, signals: Mapping[str, Any]) -> Frame:
+    """A cycle of a test."""
+    named = {name: _named(value) for name, value in signals.items()}
+    return evaluator.read({**test.case, "signals": named, "t": t})
 
 
 def _named(value: Any) -> Any:

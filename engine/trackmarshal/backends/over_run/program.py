@@ -132,7 +132,7 @@ class Remembering:
         self._ready: dict[int, tuple[Frame, list[_Seen]]] = {}
         #: What was guessed of frames that were evaluated ahead, by their identity.
         self._guessed: dict[int, _Guess] = {}
-        #: The frame that was judged last, and the cycle as it is if its driving candidate is driven.
+        #: The frame that was judged last, and the cycle as it is if its driving candidate is driven, or if it is a case.
         self._last: tuple[Frame, Now] | None = None
 
     @property
@@ -158,7 +158,7 @@ class Remembering:
             now = happening(one, outcomes.values(), first if self._engine.shares else None)
             first = first or now
             rated[name] = self._rated(memory.state, now, outcomes)
-            if name == DRIVING:
+            if name == DRIVING or not frame.candidates:
                 self._last = frame, now
         return Judged(frame, rated)
 
@@ -183,7 +183,8 @@ class Remembering:
         assert isinstance(memory, Remembered)
         if in_doubt(frame, decision):
             return self.missed(memory)
-        if self._last is not None and self._last[0] is frame and drives_on(frame, decision):
+        as_judged = drives_on(frame, decision) or (decision is None and not frame.candidates)
+        if as_judged and self._last is not None and self._last[0] is frame:
             now = self._last[1]  # what is driven was judged as it is
         else:
             driven = self._courses.joined(memory.courses, as_driven(frame, decision))
