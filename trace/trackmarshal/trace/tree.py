@@ -132,8 +132,7 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
     try:
         return _Builder(shown, found).build(_events(text), text)
     except _TooDeep as stop:
-        message = f"nested more than {MAX_DEPTH} deep"
-        found.append(error("T110", message, stop.place, "no document here needs such depth"))
+        found.append(_too_deep(stop.place))
     except yaml.reader.ReaderError as problem:
         line = text.count("\n", 0, problem.position) + 1
         message = f"the control character U+{ord(problem.character) if isinstance(problem.character, str) else problem.character:04X} is no text"
@@ -141,10 +140,18 @@ def parse(data: bytes, shown: str, found: list[Finding]) -> Node | None:
     except yaml.MarkedYAMLError as problem:
         mark = problem.problem_mark or problem.context_mark
         place = Place(shown, mark.line + 1, mark.column + 1) if mark else Place(shown)
+        # libyaml has a limit of its own since 0.2.6, and looks so far ahead before it tells of anything.
+        if "nesting depth" in str(problem.problem):
+            found.append(_too_deep(place))
+            return None
         context = f" {problem.context}" if problem.context else ""
         help_ = "indent with blanks; quote texts that hold `: ` or ` #`"
         found.append(error("T105", f"not YAML: {problem.problem}{context}", place, help_))
     return None
+
+
+def _too_deep(place: Place) -> Finding:
+    return error("T110", f"nested more than {MAX_DEPTH} deep", place, "no document here needs such depth")
 
 
 def _events(text: str) -> Iterator[Any]:
