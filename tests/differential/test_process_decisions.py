@@ -167,3 +167,47 @@ def test_the_client_in_c(udp: bool, emitted: Path) -> None:
     finally:
         process.kill()
         process.communicate()
+
+
+FORKS = """
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include "client.h"
+static tml_client client;
+static tml_message decision;
+int main(int count, char **words) {
+  const char *why = "";
+  tm_cycle cycle;
+  pid_t child;
+  uint64_t sent;
+  int status = 0;
+  (void)memset(&cycle, 0, sizeof(cycle));
+  if (!tml_client_memory(&client, words[count - 1], TML_WAIT_POLL, &why)) { (void)puts(why); return 2; }
+  child = fork();
+  if (child == 0) { _exit((tml_client_send(&client, &cycle) == 0u) && !tml_client_tick(&client) ? 3 : 4); }
+  (void)waitpid(child, &status, 0);
+  sent = tml_client_send(&client, &cycle);
+  (void)printf("%d %d %d\\n", WEXITSTATUS(status), (int)sent, (int)tml_client_answer(&client, sent, 5.0, &decision));
+  return 0;
+}
+"""
+
+
+def test_a_fork_has_no_client_in_c(emitted: Path) -> None:
+    """It would count on with the same numbers as the process that connected, and take a decision about the other one's cycle."""
+    (emitted / "forks.c").write_text(FORKS)
+    objects = [f"{unit}.o" for unit in ("supervisor", "client", "mailbox", "messages")]
+    subprocess.run(["cc", "-O0", "-o", "forks", "forks.c", *objects, "-lm"], cwd=emitted, check=True)
+    memory = str(emitted / "forked")
+    process = subprocess.Popen([emitted / "process", "--shm", memory], stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline().startswith("serves ")
+        said = subprocess.run([emitted / "forks", memory], capture_output=True, text=True, check=True)
+        assert said.stdout.split() == ["3", "1", "1"]
+    finally:
+        process.kill()
+        process.communicate()

@@ -4,6 +4,8 @@
 
 #include "mailbox.h"
 
+#include <sys/types.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -15,6 +17,7 @@ typedef struct {
   uint64_t beat_seen;
   int socket;            /* of datagrams; -1: none */
   tml_waiting how;
+  pid_t process;         /* whose it is: a copy in a fork of it sends nothing */
   uint64_t session;
   uint64_t sequence;
   double fixed;          /* s, the clock, where it is simulated; NaN: the machine's */
@@ -34,7 +37,8 @@ bool tml_client_memory(tml_client *client, const char *name, tml_waiting how, co
 bool tml_client_datagrams(tml_client *client, unsigned port, const char **why);
 /* Simulated time: what the clock shows from now on, s. */
 void tml_client_time(tml_client *client, double now);
-/* Hand over a cycle (`now` of it is not read); the sequence of its message. Lines go along when their ids change. 0: it could not be sent. */
+/* Hand over a cycle (`now` of it is not read); the sequence of its message. Lines go along when their ids change. 0: it could not be sent, or
+   this is a fork of the process that connected, which would count on with the same numbers: it connects anew. */
 uint64_t tml_client_send(tml_client *client, const tm_cycle *cycle);
 /* Say that time has passed. */
 bool tml_client_tick(tml_client *client);
