@@ -14,6 +14,7 @@ import signal
 import struct
 import subprocess
 import time
+from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +29,7 @@ from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
-from trackmarshal.process.messages import LinkError, Message
+from trackmarshal.process.messages import Kind, LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
 from trackmarshal.process.shared_memory import SharedMemory
 from trackmarshal.process.supervisor import RemoteSupervisor
@@ -488,6 +489,76 @@ def test_what_a_masked_array_hides_is_missing(rig: Rig) -> None:
     plain = np.ma.masked_array(np.asarray(given.driving["v"], float))
     assert rig.step(5)["safe"] == 1
     assert rig.step(6, replace(cycle(6), driving={**cycle(6).driving, "v": plain}))["safe"] == 1
+
+
+#: Entries for so many numbers, and Booleans, as a description of messages has them.
+SAID = {
+    "name": "cycle", "kind": 1, "from": "planner", "length": 72, "entries": [
+        {"name": "v", "offset": 0, "type": "f64", "count": 8, "array": True},
+        {"name": "ready", "offset": 64, "type": "i8", "count": 8, "array": True},
+    ],
+}  # fmt: skip
+
+
+def put(name: str, column: Any) -> list[float]:
+    """What is sent of a column of three."""
+    kind = Kind(SAID)
+    message = bytearray(kind.length)
+    kind.put(message, name, column)
+    return list(kind.get(message, name)[:3])
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        array("d", [1.0, 2.0, 3.0]).tobytes(), bytearray(24), "123", {1.0, 2.0, 3.0}, {1.0: 0, 2.0: 0, 3.0: 0}, [1.0, True, 3.0], ["1", 2.0],
+        [1.0, np.True_], np.array([True, False]), np.array([1j, 2.0]), [1.0, 2j], np.array([1, 2], "m8[ns]"), np.array([1, 2], "M8[ns]"),
+        [np.timedelta64(1, "ns")], np.array(["1", "2"]), np.ones((2, 2)), [[1.0], [2.0]],
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_no_column_to_the_door_is_sent_by_nobody(column: Any) -> None:
+    """A client takes what the door of a Supervisor in this process takes: bytes, an order that a set makes up or the real part of something are
+    guesses."""
+    with pytest.raises(LinkError, match="`v`"):
+        put("v", column)
+
+
+@pytest.mark.parametrize("form", [list, tuple, np.array, np.float32, np.int16, ">f8", np.uint8, object])
+def test_columns_of_numbers_of_any_kind(form: Any) -> None:
+    made = form((1.0, 2.0, 3.0)) if form in (list, tuple, np.array) else np.array([1, 2, 3], form)
+    assert put("v", made) == [1.0, 2.0, 3.0]
+
+
+def test_single_entries_that_are_missing_and_flags_of_numpy() -> None:
+    assert [math.isnan(one) for one in put("v", [1.0, None, np.float32(3.0)])] == [False, True, False]
+    assert put("ready", np.array([True, False, True])) == put("ready", [True, np.False_, True]) == [1, 0, 1]
+    assert put("ready", [True, None, False]) == [1, -1, 0]
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [[0.0, 6.0, 1.0], [100.0, 6.0, 1.0]], np.ones((4, 3)), [[0.0, 1.0, 2.0], [3.0]], [["0", "6"], ["1", "6"]], ["06", "16"],
+        np.array([[True, False], [True, True]]), np.array([[0, 6], [1, 6]], "M8[ns]"), np.ones(4), [[0.0, None], [1.0, 6.0]],
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_border_of_something_else_than_pairs_of_numbers(points: Any) -> None:
+    """Points with a height, one after the other, would be other points."""
+    with pytest.raises(LinkError, match="points are pairs"):
+        Border(points)
+
+
+@pytest.mark.parametrize(("short", "far"), [(np.float32, 131_072.0), (np.float16, 16.0), (">f4", 5.3e6)])
+@pytest.mark.parametrize("made", [np.array, lambda points, short: list(np.array(points, short))])
+def test_a_border_of_short_floats_that_lie_far_apart_there(made: Any, short: Any, far: float) -> None:
+    """As to the door: a survey's northing in float32 is rounded to half a metre, which is the car's way across its border."""
+    near = far / 2 if far < 1e6 else 100.0
+    assert Border(made([[0.0, near], [10.0, near]], short)).points[1] == near
+    with pytest.raises(LinkError, match="nearer than 1 cm"):
+        Border(made([[0.0, far], [10.0, far]], short))
+    assert Border([[0.0, far], [10.0, far]]).count == 2
 
 
 @pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])

@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import os
 import time
+from array import array
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from .messages import Entry, Kind, Layout, LinkError, Message
+from .messages import Entry, Kind, Layout, LinkError, Message, is_number
 
 
 class Channel(Protocol):
@@ -42,16 +43,26 @@ class Border:
 
     def __init__(self, points: Any) -> None:
         try:
-            flat = [float(x) for point in points for x in point]
-        except TypeError as error:
+            flat = [one for x, y in points for one in (x, y)]
+        except (TypeError, ValueError) as error:
             raise LinkError("points are pairs [x, y]") from error
-        if len(flat) % 2:
-            raise LinkError("points are pairs [x, y]")
-        from array import array
-
+        if not all(map(is_number, flat)):
+            raise LinkError("points are pairs [x, y] of numbers")
+        if any(map(_rounded, flat)):
+            raise LinkError(
+                "short floats have no two numbers nearer than 1 cm where the points are: give them as float64"
+            )
         self.points = array("d", flat)
         self.count = len(flat) // 2
         self.number = next(self._numbers)
+
+
+def _rounded(one: Any) -> bool:
+    """Whether a coordinate, m, is of floats of less than 64 bits that lie more than 1 cm apart there: the door of a Supervisor refuses such borders."""
+    dtype = getattr(one, "dtype", None)
+    if dtype is None or dtype.kind != "f" or dtype.itemsize >= 8:
+        return False
+    return bool(dtype.type(float(one) + 0.005) == one)
 
 
 class _Group:

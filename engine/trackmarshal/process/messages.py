@@ -7,8 +7,9 @@ import math
 import struct
 import zlib
 from array import array
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from functools import cached_property
+from numbers import Real
 from operator import lt
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -16,6 +17,9 @@ from typing import Any, NamedTuple, cast
 _FORMATS = {"u64": "Q", "i64": "q", "f64": "d", "u32": "I", "u16": "H", "i8": "b", "u8": "B"}
 #: What stands for a value that is missing, of types that have it.
 _MISSING: dict[str, float] = {"f64": math.nan, "i8": -1}
+#: What is no column: it holds none, or none in order, or bytes, of which nobody says which numbers they are.
+_NO_COLUMNS = (str, bytes, bytearray, Mapping, Set)
+_PLAIN = {float, int}
 _HEAD = struct.Struct("<IIHHIQQQd")
 #: The CRC is of all that follows it.
 _CRC_FROM = 8
@@ -108,16 +112,18 @@ class Kind:
     def set(self, into: bytearray, entry: Entry, value: Any) -> None:
         """As `put`, of an entry at hand."""
         if not entry.array:
+            if entry.type == "f64" and not is_number(value):
+                raise LinkError(f"`{entry.name}` is no number: {str(value)[:40]!r}")
             struct.pack_into("<" + entry.format, into, entry.offset, value)
             return
         value = _unmasked(value, entry)
         try:
             data = memoryview(value)
             same = data.format == entry.format and data.contiguous and data.ndim == 1
-        except TypeError:
+        except (TypeError, ValueError):  # no buffer, or one of what no buffer has, such as times
             same = False
         if not same:
-            data = memoryview(array(entry.format, value))
+            data = memoryview(array(entry.format, _listed(value, entry)))
         if len(data) > entry.room:
             data = data[: entry.room]
         into[entry.offset : entry.offset + data.nbytes] = data.cast("B")
@@ -140,6 +146,36 @@ def _unmasked(value: Any, entry: Entry) -> Any:
     if entry.type not in _MISSING:
         raise LinkError(f"`{entry.name}` is masked, and cannot be missing")
     return [_MISSING[entry.type] if hides else one for one, hides in zip(below.tolist(), hidden, strict=True)]
+
+
+def is_number(value: Any) -> bool:
+    """Whether something is a number to the Supervisor's own door: no Boolean, no text, nothing complex, and no time, of which numpy makes a whole one."""
+    kind = getattr(getattr(value, "dtype", None), "kind", None)
+    return (
+        isinstance(value, Real) and not isinstance(value, bool) if kind is None else kind in ("i", "u", "f")
+    )
+
+
+def _listed(value: Any, entry: Entry) -> list[Any]:
+    """The entries of a column, as they are sent; raises LinkError for what is none to the Supervisor's own door."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    if isinstance(value, _NO_COLUMNS) or kind in ("m", "M"):
+        raise LinkError(f"`{entry.name}` is no column of numbers")
+    found = value.tolist() if hasattr(value, "tolist") else list(value)
+    return found if _PLAIN.issuperset(map(type, found)) else [_sent(one, entry) for one in found]
+
+
+def _sent(one: Any, entry: Entry) -> Any:
+    """An entry of a column: None is missing, and Booleans are flags alone."""
+    if one is None and entry.type in _MISSING:
+        return _MISSING[entry.type]
+    if entry.type == "i8" and (
+        isinstance(one, bool) or getattr(getattr(one, "dtype", None), "kind", "") == "b"
+    ):
+        return int(one)
+    if not is_number(one):
+        raise LinkError(f"an entry of `{entry.name}` is no number: {str(one)[:40]!r}")
+    return one
 
 
 def _default(said: float | str | None) -> float | None:
