@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -20,16 +20,16 @@ Lists = dict[str, list[float]]
 
 def numbers(name: str, values: Any) -> list[float]:
     """One column; None is NaN. Raises D191 for what is no column of numbers."""
-    if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):
+    if isinstance(values, str | bytes | bytearray | Mapping | Set) or not isinstance(values, Iterable):
         raise _unusable(f"`{name}` is {type(values).__name__}, not a column of numbers")
-    listed = values.tolist() if hasattr(values, "tolist") else list(values)
+    listed = list(values) if _timed(values) or not hasattr(values, "tolist") else values.tolist()
     if not isinstance(listed, list):
         raise _unusable(f"`{name}` is one number, not a column")
     found = []
     for index, value in enumerate(listed):
         if value is None:
             value = math.nan
-        elif hasattr(value, "item") and not hasattr(value, "__len__"):
+        elif hasattr(value, "item") and not hasattr(value, "__len__") and not _timed(value):
             value = value.item()
         if type(value) is not float:
             if isinstance(value, bool) or not isinstance(value, int | float):
@@ -37,6 +37,11 @@ def numbers(name: str, values: Any) -> list[float]:
             value = float(value)
         found.append(value)
     return found
+
+
+def _timed(values: Any) -> bool:
+    """Whether something of numpy is times or durations, of which it makes whole numbers of whatever unit they have, such as nanoseconds."""
+    return getattr(getattr(values, "dtype", None), "kind", "") in ("m", "M")
 
 
 def lists(columns: Mapping[str, Any], needed: Iterable[str] = ()) -> Lists:
