@@ -34,6 +34,7 @@ from trackmarshal.process.serving import build, shared_path, start
 from trackmarshal.process.shared_memory import SharedMemory
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -134,6 +135,51 @@ def test_the_planner_dies(rig: Rig) -> None:
     # A planner that is there again is driven by as soon as a cycle is safe.
     assert rig.step(10)["safe"] == 0  # it is late
     assert rig.step(11)["safe"] == 1
+
+
+class Deaf:
+    """A channel over which, as long as somebody says so, nothing comes; what was sent meanwhile is answered all the same."""
+
+    def __init__(self, channel: Any) -> None:
+        self._channel, self.deaf = channel, False
+        self.send, self.close = channel.send, channel.close
+
+    def receive(self, seconds: float) -> bytes | None:
+        found: bytes | None = None if self.deaf else self._channel.receive(seconds)
+        return found
+
+
+@pytest.mark.verifies("S-1-B-4")
+@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+def test_of_a_supervisor_that_does_not_answer_nothing_is_known(udp: bool) -> None:
+    """A step without an answer drives nothing, and neither does one that would drive what was stored meanwhile: only its own process knows that."""
+    spec, now = shipped(), 0.0
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    with Served(built(), udp) as served:
+        channel = Deaf(served.channel())
+        client = Client(served.program.layout, channel, lambda: now)
+        remote = RemoteSupervisor(spec, rules, client, clock=lambda: now)
+        stepper: Any = remote.stepper
+        for number, deaf, given, state, driven in (
+            (0, False, cycle(0), "drive", 0),
+            (1, True, cycle(1), "no_safe_trajectory", None),
+            (2, False, replace(cycle(2), driving=None), "no_safe_trajectory", None),  # its process falls back
+            (3, False, cycle(3), "drive", 3),
+            (4, False, replace(cycle(4), driving=None), "previous_emergency", 3),
+            (5, True, None, "no_safe_trajectory", None),
+        ):
+            now, channel.deaf, stepper._patience = number / 10, deaf, 0.02 if deaf else PATIENCE
+            said = remote.step(given)
+            assert (said.state, said.safe) == (state, state == "drive")
+            assert (said.driven and said.driven.number) == driven
+            assert ("incomplete" in map(name_of, said.faults)) == (driven is None)
+        served.process.kill()
+        channel.deaf, stepper._patience = False, 0.02
+        for given in (cycle(6), None, cycle(7)):
+            now += 0.1
+            said = remote.step(given)
+            assert (said.state, said.driven, said.safe) == ("no_safe_trajectory", None, False)
+        remote.close()
 
 
 @pytest.mark.verifies("S-1-B-4")
