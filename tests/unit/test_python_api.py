@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import subprocess
 import sys
@@ -408,6 +409,29 @@ def test_overrides_of_a_wrong_type(given: dict[str, Any], spec: Any) -> None:
     with pytest.raises(tm.TrackmarshalError) as raised:
         tm.Evaluator(spec).batch(arrays(), SHARED, **given)
     assert raised.value.code == "D202"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_what_breaks_the_contract_is_not_safe_though_all_rules_hold(backend: str, tmp_path: Path) -> None:
+    """A number beyond its range satisfies the rule that reads it; whoever judges cases has to see the fault beside the verdict."""
+    text = "module m\nsignal ego : state { v: m/s in [0, 10] }\nrule slow\n  require ego.v <= 500 m/s\n"
+    evaluator = tm.Evaluator(tm.loads(text), backend=backend)
+    raws = [{"signals": {"ego": {"v": v}}} for v in (99.0, 1.0)]
+    batch = evaluator.batch({"ego": {"v": np.array([99.0, 1.0])}})
+    frames = evaluator.read_all(raws)
+    for results in (
+        list(map(evaluator.case, raws)),
+        list(evaluator.evaluate(frames)),
+        list(map(batch.case, range(2))),
+    ):
+        assert [result.rules["slow"].verdict for result in results] == ["satisfied"] * 2
+        assert [result.safe for result in results] == [False, True]
+    assert batch.safe.tolist() == [False, True]
+    spec, data = tmp_path / "m.spec", tmp_path / "cases.jsonl"
+    spec.write_text(text, encoding="utf-8")
+    for raw, status in zip(raws, (1, 0)):
+        data.write_text(json.dumps(raw), encoding="utf-8")
+        assert run_command("eval", str(spec), "--data", str(data), "--backend", backend)[0] == status
 
 
 def test_a_default_stands_in_though_no_rule_reads_what_is_given() -> None:
