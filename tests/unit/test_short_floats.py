@@ -81,3 +81,27 @@ def test_whatever_holds_them(shape: Callable[[Any], Any], backend: str) -> None:
     assert not decision.safe
     with pytest.raises(ValueError, match=r"nearer than 0\.5 m"):
         tm.line(given.signals["track"]["left"])
+
+
+@pytest.mark.parametrize("shape", [np.asarray, list, lambda array: [[float(x), y] for x, y in array]])
+def test_places_that_data_brings_are_held_to_the_same(shape: Callable[[Any], Any]) -> None:
+    """0.9 m from a line was 1.1 m from what float32 makes of it."""
+    evaluator = tm.Evaluator(
+        tm.loads(
+            'module m\nsignal ego : state { x: m, y: m }\nline stop "s" = (0 m, 0 m) (10 m, 0 m)\n'
+            "rule near\n  require distance_to(ego, stop) >= 1 m\n"
+        )
+    )
+    north = 5300000.3
+    stop = np.array([[0.0, north], [10.0, north]])
+    signals = {"ego": {"x": 5.0, "y": north - 0.9}}
+    assert not evaluator.case({"places": {"stop": stop}, "signals": signals}).safe
+    with pytest.raises(
+        tm.TrackmarshalError, match=r"places\.stop\[0\]: float32 has no two numbers"
+    ) as caught:
+        evaluator.case({"places": {"stop": shape(stop.astype(np.float32))}, "signals": signals})
+    assert caught.value.code == "D204"
+    near = (stop - [0.0, north]).astype(np.float32)
+    assert not evaluator.case(
+        {"places": {"stop": shape(near)}, "signals": {"ego": {"x": 5.0, "y": -0.9}}}
+    ).safe

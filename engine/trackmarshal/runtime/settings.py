@@ -79,12 +79,12 @@ def check_table(info: TableInfo, rows: object) -> tuple[tuple[float, ...], tuple
 
 
 def check_place(info: PlaceInfo, points: object) -> tuple[Point, ...]:
-    """Points of a zone (three or more different ones) or a line (two or more), finite; raises D202 or D204.
+    """Points of a zone (three or more different ones) or a line (two or more), finite, and not rounded by short floats; raises D202 or D204.
 
     What they enclose, if anything, is for geometry to say: of what is no zone or no line, rules are undefined.
     """
     short = info.name.rpartition(".")[2]
-    found = tuple(_points(points, f"places.{short}"))
+    found = tuple(_points(points, f"places.{short}", placed=True))
     least = 3 if info.kind == "zone" else 2
     if len(set(found)) < least or not all(math.isfinite(x) and math.isfinite(y) for x, y in found):
         help_ = f"a {info.kind} is a list of at least {least} different points [x, y] in m"
@@ -145,13 +145,19 @@ def _number(value: object, where: str) -> float:
     return found
 
 
-def _points(raw: Any, what: str) -> list[Point]:
+def _points(raw: Any, what: str, placed: bool = False) -> list[Point]:
+    """Pairs of numbers. placed: they are places, and refused as the door refuses a border whose coordinates short floats have rounded."""
     points = []
     for index, row in enumerate(_rows(raw, what)):
         pair = _rows(row, f"{what}[{index}]")
         if len(pair) != 2:
             entries = "1 entry" if len(pair) == 1 else f"{len(pair)} entries"
             raise TrackmarshalError("D202", f"{what}[{index}] has {entries}, not 2", help="a point is [x, y]")
+        if placed and not {float, int}.issuperset(map(type, pair)):
+            from trackmarshal.runtime.door.lines import point_rounded
+
+            if lost := point_rounded(pair):
+                raise TrackmarshalError("D204", f"{what}[{index}]: {lost}", help="give it as float64")
         points.append((_number(pair[0], f"{what}[{index}]"), _number(pair[1], f"{what}[{index}]")))
     return points
 

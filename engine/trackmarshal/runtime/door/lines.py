@@ -34,8 +34,8 @@ def _rounded(array: NDArray[Any] | np.floating[Any]) -> str:
     return f"{array.dtype.name} has no two numbers nearer than {apart:g} m there" if apart > _COARSE else ""
 
 
-def _point_rounded(point: Any) -> str:
-    """The same of a point, whatever holds its numbers."""
+def point_rounded(point: Any) -> str:
+    """What a point [x, y] has lost by short floats, whatever holds its numbers; empty where that is nothing of weight."""
     if values.is_array(point) and point.dtype != object:
         return _rounded(point)
     short = (value for value in point if isinstance(value, np.floating | np.ndarray))
@@ -154,7 +154,7 @@ def points_of(raw: Any) -> Floats:
             raise NoLineError("wrong_type", index, "not a point [x, y]") from error
         if len(pair) != 2:
             raise NoLineError("wrong_type", index, "not a point [x, y]")
-        if lost := _point_rounded(point):
+        if lost := point_rounded(point):
             raise NoLineError("wrong_type", index, lost)
         for axis, value in enumerate(pair):
             coordinate = values.number(value)
