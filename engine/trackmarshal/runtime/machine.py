@@ -76,7 +76,6 @@ def examine(
     if pose is not None and due is not None:
         spot = stored.nearest(pose.x, pose.y, due - limits.apart, due + limits.apart)
     given = {"now": now, "end": stored.end, "posed": 0, "paced": 0, "away": 0.0, "turn": 0.0, "gain": 0.0}
-    before = confirmed
     if pose is not None and spot is not None:
         given |= {"posed": 1, "away": spot.away, "turn": pose.heading - spot.heading}
         if pose.v is not None:
@@ -85,6 +84,5 @@ def examine(
     given["confirmed"] = confirmed
     for demand in STORED:
         if not holds(demand, given, limits):
-            seen = demand.fault == "unconfirmed"
-            return confirmed if seen else before, demand.fault
+            return confirmed, demand.fault
     return confirmed, ""
