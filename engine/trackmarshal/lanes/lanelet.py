@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.door.lines import LineReader, NoLineError
+from trackmarshal.runtime.door.values import is_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -90,10 +92,12 @@ def bounds(lanelet: Lanelet, where: str) -> tuple[NDArray[np.float64], NDArray[n
 def _bound(lanelet: Lanelet, side: str, where: str) -> NDArray[np.float64]:
     given: Any = getattr(lanelet, side)
     try:
-        points = np.array([[float(x), float(y)] for x, y in given], dtype=np.float64)
-    except (TypeError, ValueError) as error:
+        # As the door reads borders: texts are no numbers, and what short floats have rounded is no bound.
+        points = LineReader().read(given if is_array(given) else list(given)).points
+    except (TypeError, NoLineError) as error:
+        why = f": {error.message}" if isinstance(error, NoLineError) else ""
         raise _none(
-            f"lanelet {lanelet.number}: the {side} bound is no list of points",
+            f"lanelet {lanelet.number}: the {side} bound is no list of points{why}",
             where,
             "points are [x, y], in m",
         ) from error
