@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from support.cycles import BRAKING, PERIOD, SPEED, cycle
-from support.supervised import Clock, Oracle, made, shipped
+from support.supervised import BACKENDS, Clock, Oracle, made, shipped
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import load
 from trackmarshal.runtime.codes import CODES
@@ -24,6 +24,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import NEXT, STATES
 from trackmarshal.runtime.program import Judged
 from trackmarshal.runtime.supervisor import Supervisor
+from trackmarshal.supervision import supervisor
 
 PAGE = (Path(__file__).resolve().parents[2] / "docs" / "supervisor.md").read_text("utf-8")
 FRICTION = {("driving", "friction")}
@@ -284,6 +285,21 @@ def test_order(change: Callable[[Cycle], Cycle], fault: str, field: str) -> None
     assert [(name_of(f), f.signal, f.field) for f in decision.faults] == [(fault, "cycle", field)]
     run.step()  # a wrong number costs one more
     assert run.step().state == "drive"
+
+
+@BACKENDS
+@pytest.mark.parametrize("wrong", [None, "1", True, 2**63])
+@pytest.mark.verifies("S-1-B-9")
+def test_a_number_that_is_none_does_not_wipe_out_the_one_before(wrong: Any, backend: str) -> None:
+    """A cycle with the number of one that was driven is repeated, whatever came between the two."""
+    now = 0.0
+    asked = supervisor(shipped(), backend=backend, limits={"budget": 60.0}, clock=lambda: now)
+    assert asked.step(cycle(0)).safe
+    now = PERIOD
+    assert not asked.step(replace(cycle(1), number=wrong)).safe
+    now = 2 * PERIOD
+    decision = asked.step(replace(cycle(2), number=0))
+    assert (decision.safe, names(decision)) == (False, ["repeated"])
 
 
 @pytest.mark.verifies("S-1-B-9")
