@@ -11,8 +11,10 @@ import pytest
 
 from golden.trace.cases import PROJECT, TODAY, Small
 from trackmarshal import trace
-from trackmarshal.records import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.cells import combined
+from trackmarshal.trace.faults import verdict
+from trackmarshal.trace.spec import Spec
 
 
 @pytest.mark.parametrize(
@@ -90,6 +92,26 @@ def test_of_two_results_the_worse_counts() -> None:
     both = [*results, replace(results[4], outcome="failed")]
     assert status(build(small, test_results=both), "S-1-A-2", "S-3-B") == "failed"
     assert status(build(small, test_results=both[::-1]), "S-1-A-2", "S-3-B") == "failed"
+
+
+def test_of_two_results_of_a_fault_the_worse_counts() -> None:
+    case = FaultCase("f.yaml", "F-1", "a swerve", "S-1-A-2", 3, "f" * 64)
+    passed = FaultResult(
+        "f.yaml", "F-1", "passed", "f" * 64, ("friction",), first=2.0, driven="no_safe_trajectory"
+    )
+    for outcome in ("failed", "error"):
+        both = [passed, replace(passed, outcome=outcome, message="nothing fired")]
+        for results in (both, both[::-1]):
+            spec = Spec((), (), (), (), fault_cases=[case], fault_results=results)
+            assert verdict(case, spec) == ("failed", "nothing fired")
+    assert verdict(case, Spec((), (), (), (), fault_results=[passed, passed]))[0] == "covered"
+    assert (
+        verdict(
+            replace(case, fingerprint=""),
+            Spec((), (), (), (), fault_results=[replace(passed, fingerprint="")]),
+        )[0]
+        == "stale"
+    )
 
 
 def test_a_waiver_excuses_gaps_but_no_failure(tmp_path: Path) -> None:
