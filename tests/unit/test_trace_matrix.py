@@ -14,7 +14,7 @@ from trackmarshal import trace
 from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.cells import combined
 from trackmarshal.trace.faults import verdict
-from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.spec import Spec, changed
 
 
 @pytest.mark.parametrize(
@@ -112,6 +112,23 @@ def test_of_two_results_of_a_fault_the_worse_counts() -> None:
         )[0]
         == "stale"
     )
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "said"),
+    [
+        ({"rule gap": "a", "engine": "e"}, {"engine": "e", "rule gap": "a"}, ""),
+        ({"rule gap": "a", "param mu": "1"}, {"rule gap": "a", "param mu": "2"}, "the parameter `mu` has changed since"),
+        ({"rule gap": "a"}, {"rule gap": "a", "rule turn": "b"}, "the rule `turn` has joined since"),
+        ({"rule gap": "a", "rule turn": "b"}, {"rule gap": "a"}, "it was made from the rule `turn`, which takes no part any more"),
+        ({"constraints": "a", "named": "x"}, {"constraints": "b"}, "the constraints on its parameters have changed since"),
+        ({"rule gap": "a", "named": "x"}, {"rule gap": "a"}, "it was made from a file that the scenario names, which takes no part any more"),
+    ],
+)  # fmt: skip
+def test_whatever_differs_of_what_a_result_was_made_from_is_said(
+    before: dict[str, str], now: dict[str, str], said: str
+) -> None:
+    assert changed(before, now) == said
 
 
 def test_a_waiver_excuses_gaps_but_no_failure(tmp_path: Path) -> None:
