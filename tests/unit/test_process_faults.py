@@ -657,6 +657,56 @@ def test_a_decision_of_before_is_not_taken_for_a_fresh_one(rig: Rig) -> None:
     assert rig.at(rig.now).number == 6
 
 
+def sealed(message: Message, session: int, sent: float, **changes: int) -> bytes:
+    """A decision as another Supervisor, the first thing that it says, would have sent it then."""
+    layout, kind = message.layout, message.kind
+    data = bytearray(message.data)
+    for name, value in changes.items():
+        kind.put(data, name, value)
+    layout.seal(data, kind, session, 1, sent)
+    return bytes(data)
+
+
+class Given:
+    """A channel over which messages come that are at hand."""
+
+    def __init__(self, *messages: bytes) -> None:
+        self._messages = list(messages)
+
+    def receive(self, seconds: float) -> bytes | None:
+        return self._messages.pop(0) if self._messages else None
+
+    def send(self, box: str, message: bytearray) -> bool:
+        return True
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_decision_about_the_cycle_of_another_planner_is_no_answer(rig: Rig) -> None:
+    """All planners count their messages from 1: that of one that was replaced may be decided while the next one waits."""
+    said = rig.step(3)
+    sequence, layout = said["about_sequence"], said.layout
+    others = sealed(said, said.head.session, said.head.sent, about_session=rig.client.session - 1)
+    client = Client(layout, Given(others, others))
+    client.session = rig.client.session
+    assert client.answer(sequence, 0.0) is None
+    client.channel = Given(others, said.data)
+    answer = client.answer(sequence, 0.0)
+    assert answer is not None
+    assert answer.data == said.data
+
+
+def test_a_supervisor_whose_clock_starts_anew_is_not_alive_by_the_one_before(rig: Rig) -> None:
+    """After it has said nothing for 0.05 s it is taken for dead, however late on its own clock another one was heard before."""
+    said = rig.step(3)
+    executing, session = Executing(said.layout, simulated=True), said.head.session
+    assert executing.hear(sealed(said, session, 100.0)) == "none"
+    assert executing.hear(sealed(said, session + 1, rig.now)) == "none"
+    assert (executing.at(rig.now).action, executing.at(rig.now + 0.04).action) == (DRIVE, DRIVE)
+    assert (executing.at(rig.now + 0.06).action, executing.at(rig.now + 0.06).why) == (FALLBACK, "silent")
+
+
 @pytest.mark.verifies("S-1-B-6", "S-1-B-7")
 def test_decisions_do_not_come(rig: Rig) -> None:
     """The Supervisor lives, its decisions are lost on their way: the fallback of the last one that came, until another one comes."""
