@@ -104,12 +104,26 @@ def tape_of(rng: random.Random, layout: Layout, pool: Pool, count: int) -> list[
     return tape
 
 
+def restarting(layout: Layout, pool: Pool) -> list[Record]:
+    """A decision of a Supervisor with a late clock, the same of one that starts after it with an early one, and then nothing any more."""
+    looked = (layout.look(data, up=False)[1] for data in pool[1])
+    said = next(
+        one for one in looked if one is not None and one.kind.name == "decision" and one["driven"] == 1
+    )
+    tape, session, now = list[Record](), said.head.session, said["now"]
+    for later, sent in enumerate((1e6, now)):
+        data = bytearray(said.data)
+        layout.seal(data, said.kind, session + later, 1, sent)
+        tape.append(bytes(data))
+    return [*tape, *(now + k * layout.silence / 2 for k in range(4))]
+
+
 def test_c_and_python_make_the_same_of_a_tape(pool: Pool, tmp_path: Path) -> None:
     """What is taken and what is driven, sample by sample."""
     layout, program = built().layout, compiled(tmp_path, ["-O0"], desk=False)
     seen: Counter[str] = Counter()
-    for seed in range(12):
-        tape = tape_of(random.Random(seed), layout, pool, 250)
+    tapes = [tape_of(random.Random(seed), layout, pool, 250) for seed in range(12)]
+    for tape in (*tapes, restarting(layout, pool)):
         said, wanted = played(program, tape), expected(layout, tape)
         assert len(said) == len(wanted)
         for one, other in zip(said, wanted):
