@@ -200,6 +200,22 @@ def test_a_scenario_has_to_be_critical_for_the_rule(counts: dict[str, int], expe
     assert status(matrix, "S-1-A-2", "S-4-A") == expected
 
 
+@pytest.mark.parametrize(
+    ("of_turn", "expected"),
+    [({"satisfied": 100}, "covered"), ({"inactive": 100}, "partial"), ({}, "partial")],
+)
+def test_every_rule_of_a_requirement_has_to_be_evaluated(of_turn: dict[str, int], expected: str) -> None:
+    """One that fired where it had to does not stand for another one that was never asked."""
+    small = Small()
+    items = {item.name: item for item in small.parts()[0]}
+    both = (*items["turn"].satisfies, *items["gap"].satisfies)
+    items["turn"] = replace(items["turn"], satisfies=both)
+    said = (facts("gap", "g" * 8, satisfied=90, violated=10), facts("turn", "t" * 8, **of_turn))
+    truth = {"dynamic": TruthFacts(True, (), ("gap", "turn"))}
+    runs = run(small, CUT_IN, rules=said, ground_truth=truth)
+    assert status(build(small, spec_items=list(items.values()), runs=runs), "S-1-A-2", "S-4-A") == expected
+
+
 def test_a_violation_that_the_ground_truth_leaves_free_is_no_evidence() -> None:
     small = Small()
     loud = facts("gap", "g" * 8, satisfied=90, violated=10)
