@@ -85,7 +85,6 @@ class Executing:
         """What to drive at `now`, s on the Supervisor's clock. Not to be asked for times that go back."""
         newest = self._newest
         if self._decided == 0 or newest is None:  # the Supervisor before this one may have left a trajectory
-            self._left = True
             return Setpoint(NOTHING, UNHEARD) if self._fallback is None else self._fall_back(now, RESTARTED)
         why = ""
         if not now - self._alive <= self._silence:
