@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import shutil
+import socket
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from trackmarshal import scenarios
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.process.client import Client
+from trackmarshal.process.messages import Layout
 from trackmarshal.process.serving import build
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -167,6 +169,57 @@ def test_the_client_in_c(udp: bool, emitted: Path) -> None:
     finally:
         process.kill()
         process.communicate()
+
+
+#: A planner that says that time has passed, and prints the number of the cycle in the decision that it takes for the one about that.
+ASKING = """
+#include "client.h"
+#include <stdio.h>
+#include <stdlib.h>
+static tml_client client;
+static tml_message said;
+int main(int count, char **words) {
+  const char *why = "";
+  const bool asked = (count == 2) && tml_client_datagrams(&client, (unsigned)atoi(words[1]), &why) && tml_client_tick(&client);
+  printf("%d\\n", (asked && tml_client_answer(&client, 1u, 10.0, &said)) ? (int)said.decision.number : -1);
+  return 0;
+}
+"""
+
+
+def test_the_client_in_c_takes_no_decision_about_the_cycle_of_another_planner(emitted: Path) -> None:
+    """All planners count their messages from 1: that of one that was replaced may be decided while the next one waits."""
+    (emitted / "asking.c").write_text(ASKING, encoding="utf-8")
+    units = [f"{unit}.o" for unit in ("client", "mailbox", "messages", "supervisor")]
+    subprocess.run(
+        ["cc", "-std=c99", "-O0", "-o", "asking", "asking.c", *units, "-lm"], cwd=emitted, check=True
+    )
+    layout = Layout.read(emitted / "messages.json")
+    kind = layout.kinds["decision"]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as supervisor:
+        supervisor.bind(("127.0.0.1", 0))
+        supervisor.settimeout(PATIENCE)
+        port = str(supervisor.getsockname()[1])
+        with subprocess.Popen([emitted / "asking", port], stdout=subprocess.PIPE, text=True) as planner:
+            data, address = supervisor.recvfrom(1 << 16)
+            _, tick = layout.look(data, up=True)
+            assert tick is not None
+            for number, session, sequence in (
+                (7, tick.head.session - 1, 1),
+                (8, tick.head.session, 2),
+                (9, tick.head.session, 1),
+            ):
+                message = bytearray(kind.length)
+                for name, value in {
+                    "serial": 1,
+                    "number": number,
+                    "about_session": session,
+                    "about_sequence": sequence,
+                }.items():
+                    kind.put(message, name, value)
+                layout.seal(message, kind, 1, number, 0.0)
+                supervisor.sendto(message, address)
+            assert planner.communicate(timeout=PATIENCE)[0] == "9\n"
 
 
 FORKS = """
