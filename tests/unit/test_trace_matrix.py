@@ -252,6 +252,16 @@ def test_a_run_outside_the_truth_of_a_rule_says_which() -> None:
     )
 
 
+def test_a_quiet_run_that_contradicts_its_ground_truth_fails_the_gate() -> None:
+    """That nothing fired is what it was to show, and wrong where something had to."""
+    small = Small()
+    truth = {"dynamic": TruthFacts(False, ("rated safe at 1 s, the ground truth is unsafe",), ("gap",))}
+    matrix = build(small, runs=run(small, "scenarios/field.jsonl", ground_truth=truth))
+    (found,) = trace.gate(matrix)
+    assert found.code == "T243"
+    assert "rated safe at 1 s" in found.message
+
+
 def test_ground_truth_that_judges_other_rules_does_not_cover() -> None:
     small = Small()
     matrix = build(small, runs=run(small, CUT_IN, ground_truth={"static": TruthFacts(True, (), ("turn",))}))
