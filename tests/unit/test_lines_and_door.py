@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support import typed
 from support.cycles import cycle
 from support.supervised import BACKENDS, shipped
 from trackmarshal.runtime.faults import name_of
@@ -77,3 +78,22 @@ def test_what_is_no_number_to_the_door_makes_no_line(given: Any) -> None:
     assert [name_of(fault) for fault in decision.faults] == ["wrong_type"]
     with pytest.raises(ValueError, match="a line is a list of points"):
         tm.line(given)
+
+
+@BACKENDS
+@pytest.mark.parametrize("hides", [False, True])
+def test_a_flag_that_a_mask_hides_is_missing(hides: bool, backend: str) -> None:
+    """True stands below the mask, and is what nobody said: in a candidate, and in a set."""
+    for signal in ("driving", "emergency", "objects"):
+        given = typed.cycle(0, 0.0)
+        held: Any = given.signals["objects"] if signal == "objects" else getattr(given, signal)
+        name = "seen" if signal == "objects" else "ready"
+        said = np.ones(len(held[name]), dtype=bool)
+        held[name] = np.ma.masked_array(said, mask=[hides, *[False] * (len(said) - 1)])
+        decision = tm.supervisor(typed.spec(), backend=backend, limits=typed.LIMITS, clock=lambda: 0.0).step(
+            typed.complete(given)
+        )
+        assert decision.safe == (not hides)
+        assert [(name_of(one), one.signal, one.field) for one in decision.faults] == (
+            [("not_finite", signal, name)] * hides
+        )

@@ -10,7 +10,9 @@ from support.length import shared_out
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
+from trackmarshal.runtime import supervisor as parts
 from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 
@@ -120,6 +122,21 @@ def test_a_refused_cycle_is_a_gap(backend: str, refused: str) -> None:
         decision = rig.step()
         assert not decision.faults
         assert {verdict for _, _, verdict in names(decision)} == {"undefined"}
+    assert rig.step().safe
+
+
+@pytest.mark.parametrize("backend", PYTHON)
+def test_a_cycle_of_which_a_part_did_not_answer_is_a_gap(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is sure about it: what it says is not remembered as what was, however harmless it looks."""
+    rig = Rig('rule f "" require not once[0.05 s, 0.25 s] flag\n', backend)
+    assert rig.step().safe
+    with monkeypatch.context() as patch:
+        patch.setattr(parts, "watch", lambda *_: None)
+        assert "incomplete" in map(name_of, rig.step().faults)
+    for _ in range(3):
+        assert {verdict for _, _, verdict in names(rig.step())} == {"undefined"}
     assert rig.step().safe
 
 
