@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import os
 import sysconfig
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
+from functools import wraps
+from inspect import iscoroutinefunction
 from pathlib import Path
+from typing import Any
+from unittest import TestCase
 
 import pytest
 
@@ -84,6 +88,85 @@ def pytest_runtest_makereport(
         item.user_properties.append((OUTCOME, said))
         report.user_properties = list(item.user_properties)
     return report
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, object]:
+    """A function that returns something has failed: what was to be asserted is handed to pytest, which passes it with a warning."""
+    called, said = pyfuncitem.obj, _Said()
+    if not _names(pyfuncitem) or iscoroutinefunction(called):  # pytest itself fails what nothing awaits
+        return (yield)
+    pyfuncitem.obj = said.of(called)
+    try:
+        result = yield
+    finally:
+        pyfuncitem.obj = called
+    said.hold()
+    return result
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None]:
+    """So has a method of a `unittest.TestCase` that does, and one that is a coroutine of which the class knows nothing: its body never began."""
+    case = getattr(item, "instance", None)
+    # Another `run`, as that of Twisted's trial, makes of what it is given what it likes.
+    if not (
+        isinstance(case, TestCase) and _names(item) and type(case).run.__module__.startswith("unittest.")
+    ):
+        return (yield)
+    assert isinstance(item, pytest.Function)
+    called, said = item.obj, _Said()
+    item.obj = said.of(called)
+    setattr(case, item.name, item.obj)  # where a method is a coroutine, pytest leaves it to the class
+    try:
+        yield
+    finally:
+        item.obj = called
+    said.hold()
+
+
+class _Said:
+    """What came of calling the function of a test, noted in passing."""
+
+    def __init__(self) -> None:
+        self._wrong = ""
+
+    def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function as one of its own kind: whoever runs it asks whether it is a coroutine."""
+        if iscoroutinefunction(function):
+            self._wrong = (
+                "nothing awaited it, so that its body never began: `unittest.IsolatedAsyncioTestCase` does"
+            )
+
+            @wraps(function)
+            async def awaited(*args: object, **named: object) -> object:
+                self._wrong = ""
+                return self._seen(await function(*args, **named))
+
+            return awaited
+
+        @wraps(function)
+        def called(*args: object, **named: object) -> object:
+            return self._seen(function(*args, **named))
+
+        return called
+
+    def _seen(self, returned: object) -> object:
+        if returned is not None:
+            self._wrong = (
+                f"it returned something ({type(returned).__name__}), which asserts nothing: `assert` it"
+            )
+        return returned
+
+    def hold(self) -> None:
+        """Fail the test where what it did shows nothing."""
+        if self._wrong:
+            pytest.fail(f"this test is to verify a requirement, and {self._wrong}", pytrace=False)
+
+
+def _names(item: pytest.Item) -> bool:
+    """Whether a test names what it verifies."""
+    return any(name == VERIFIES for name, _ in item.user_properties)
 
 
 def _verified(item: pytest.Item) -> tuple[list[str], list[str]]:

@@ -212,6 +212,81 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
     assert not (project / "out" / "a.json").exists()
 
 
+#: Tests that pass for pytest and for unittest, but for what they name: half of them never ask anything.
+EMPTY = """
+import unittest
+
+import pytest
+
+pytestmark = pytest.mark.verifies("S-1-B-1")
+
+
+def test_returns():
+    return 1 == 2
+
+
+def test_says_so():
+    assert 1 == 1
+
+
+class Door(unittest.TestCase):
+    async def test_is_not_awaited(self):
+        assert False
+
+    def test_yields(self):
+        yield
+        assert False
+
+    def test_opens(self):
+        assert True
+
+    @unittest.skip("no lock")
+    async def test_locks(self):
+        assert False
+
+
+class Gate(unittest.IsolatedAsyncioTestCase):
+    async def test_is_awaited(self):
+        assert True
+
+    async def test_fails(self):
+        assert False
+
+
+class Deferring(unittest.TestCase):
+    def run(self, result):  # as that of Twisted, which waits for what a test returns
+        result.startTest(self)
+        assert getattr(self, self._testMethodName)() == 12
+        result.stopTest(self)
+
+    def test_returns(self):
+        return 12
+"""
+
+
+def test_what_never_asked_anything_has_failed(project: Path) -> None:
+    """pytest and unittest let it pass, with a warning, which a project may have turned off."""
+    (project / "pytest.ini").write_text("[pytest]\nfilterwarnings = ignore\n", "utf-8")
+    done = run(project, EMPTY, "--trackmarshal-results=out/a.json", "--junitxml=out/a.xml")
+    assert done.returncode == 1, done.stdout + done.stderr
+    tests = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
+    came = {
+        "test_returns": "failed", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
+        "Door::test_locks": "skipped", "Gate::test_is_awaited": "passed", "Gate::test_fails": "failed", "Deferring::test_returns": "passed",
+    }  # fmt: skip
+    assert {test.name: test.outcome for test in tests} == came
+    said = {test.name: test.message for test in tests}
+    assert said["test_returns"].endswith("it returned something (bool), which asserts nothing: `assert` it")
+    assert said["Door::test_yields"].endswith(
+        "it returned something (generator), which asserts nothing: `assert` it"
+    )
+    assert "nothing awaited it" in said["Door::test_is_not_awaited"]
+    in_xml = reading.read(project / "out" / "a.xml", "a.xml")
+    assert sorted((test.name, test.outcome) for test in in_xml) == sorted(
+        (name.rpartition("::")[2], outcome) for name, outcome in came.items()
+    )
+
+
 REPEATS = """
 from _pytest.runner import runtestprotocol
 
