@@ -115,7 +115,14 @@ def test_what_became_weaker_is_accepted_by_somebody_for_a_reason(tmp_path: Path)
     tests = [t for t in TESTS if (t.rule, t.title) != ("gap", "inside")]
     assert fails(small.root, tests=tests) == ["T221"]
     before = (small.root / BASELINE).read_bytes()
-    for said in ({}, {"by": "Ann Author"}, {"reason": "because"}, {"by": " ", "reason": "because"}):
+    for said in (
+        {},
+        {"by": "Ann Author"},
+        {"reason": "because"},
+        {"by": " ", "reason": "because"},
+        {"by": "TBD", "reason": "because"},
+        {"by": "Ann Author", "reason": "<TODO>"},
+    ):
         with pytest.raises(TrackmarshalError) as caught:
             trace.accept_baseline(small.root, ITEMS, tests, **said)  # type: ignore[arg-type]
         assert caught.value.code == "T378"

@@ -18,6 +18,7 @@ from trackmarshal.trace.baseline.content import Content, carried
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.sections import lettered
+from trackmarshal.trace.shapes import put_off
 
 FORMAT = "trackmarshal-baseline"
 VERSION = 2
@@ -73,7 +74,8 @@ def accept(
         if before is None
         else [str(change) for change in changes(before.content, now, tell) if change.weaker]
     )
-    if weaker and not (lettered(by) and lettered(reason)):
+    # What was accepted once with such words stays: of histories, it is asked that somebody is named.
+    if weaker and not all(lettered(said) and not put_off(said) for said in (by, reason)):
         more = f", and {len(weaker) - 1} more" if len(weaker) > 1 else ""
         raise TrackmarshalError(
             "T378", f"less is demanded or shown than was accepted: {weaker[0]}{more}",
