@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from support.project import command
 from support.safety_case import Page, edit, html
 
 WHO = {
@@ -148,3 +149,22 @@ def test_a_project_without_persons_has_room_for_signatures_too(warehouse: Path) 
     assert "No persons" in page.html
     assert '<table class="blanks">' in page.html
     assert {"SYS-1", "SYS-2"} <= set(unreviewed(page)["requirement"])
+
+
+def test_whatever_was_accepted_that_is_less_is_listed_with_who_and_why(warehouse: Path) -> None:
+    """No finding tells of it any more, so that an assessor would not know."""
+    assert "nothing was accepted by which less is demanded" in html(warehouse).html
+    spec = "specs/robot.spec"
+    text = (warehouse / spec).read_text("utf-8")
+    tests = re.findall(r"^test \w+ \".*?(?=^\S|\Z)", text, re.DOTALL | re.MULTILINE)
+    for one in tests[:2]:
+        text = text.replace(one, "")
+    (warehouse / spec).write_text(text, "utf-8")
+    who = ("--by", "Rolf <Reader>", "--reason", "they said the same", "--day", "2026-05-02", "--quiet")
+    assert command(warehouse, "trace", "--accept-baseline", *who)[0] == 0
+    page = html(warehouse).html
+    part = page[page.index("<h2>Accepted by name</h2>") : page.index("<h2>Signatures</h2>")]
+    rows = [re.sub(r"<[^>]*>", "|", row) for row in re.findall(r"<tr>(.*?)</tr>", part)][1:]
+    assert len(rows) == 2
+    assert all(said in rows[0] for said in ("2026-05-02", "Rolf &lt;Reader&gt;", "they said the same"))
+    assert all(" is gone" in row and "test " in row for row in rows)

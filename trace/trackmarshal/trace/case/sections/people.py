@@ -1,11 +1,13 @@
-"""Who answers, what was reviewed by whom and in which commit that stands, what nobody reviewed, and the table that an assessor signs."""
+"""Who answers, what was reviewed by whom and in which commit that stands, what nobody reviewed, what somebody accepted that is less, and the table that an
+assessor signs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain, repeat
 
 from trackmarshal.trace.case.model import Blanks, Block, Code, Fixed, Given, Line, Number, Section, Status
-from trackmarshal.trace.case.writing import Writing, given
+from trackmarshal.trace.case.writing import EMPTY, Writing, given, made, written
 from trackmarshal.trace.graph.graph import Node, holds
 
 #: Kinds of things that a second person may be expected to have read.
@@ -25,6 +27,8 @@ def people(writing: Writing) -> Section:
         writing.named("people.reviews", [*shown, writing.paragraph("people.recorded")] if reviews else shown)
     )
     blocks.append(writing.named("people.unreviewed", list(_unreviewed(writing))))
+    if writing.given.matrix.baseline is not None:  # without one, nobody knows what was less: T220 says so
+        blocks.append(writing.named("people.accepted", list(_accepted(writing))))
     heads = ("column.name", "column.role", "column.organisation", "column.date", "column.signature")
     signed = Blanks(
         writing.line("people.sign"),
@@ -100,6 +104,25 @@ def _unreviewed(writing: Writing) -> Iterator[Block]:
         return
     yield writing.missing("people.unreviewed_how")
     yield writing.table((("column.kind", 1.6), ("column.number", 0.9), ("column.ids", 7.5)), rows)
+
+
+def _accepted(writing: Writing) -> Iterator[Block]:
+    """All that somebody accepted that is less, for which nothing fails any more. Who and why stand at the first of those that were accepted at once."""
+    done = writing.given.matrix.accepted
+    if not done:
+        yield writing.paragraph("people.none_accepted")
+        return
+    yield writing.paragraph("people.accepted_how")
+    columns = (
+        ("column.made", 1.1),
+        ("column.by", 1.4),
+        ("column.justification", 2.5),
+        ("column.less", 5.0),
+    )
+    yield writing.table(columns, (
+        [*((given(one.on), given(one.by), written(one.reason)) if first else (EMPTY, EMPTY, EMPTY)), made(change)]
+        for one in done for first, change in zip(chain((True,), repeat(False)), one.weaker)
+    ))  # fmt: skip
 
 
 __all__ = ["people"]
