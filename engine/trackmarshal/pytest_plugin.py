@@ -11,7 +11,7 @@ import sysconfig
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, field
 from functools import wraps
-from inspect import iscoroutinefunction
+from inspect import isawaitable, iscoroutinefunction, isgenerator
 from pathlib import Path
 from typing import Any
 from unittest import TestCase
@@ -22,6 +22,8 @@ VERIFIES = "verifies"
 #: Whether a test failed so far, and what its property says of it.
 _FAILED = pytest.StashKey[bool]()
 _SAID = pytest.StashKey[str]()
+#: Whether all was set up for a test that was not called yet.
+_READY = pytest.StashKey[bool]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -71,8 +73,8 @@ def pytest_make_collect_report(
 def pytest_runtest_makereport(
     item: pytest.Item,
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A test says in a property what `--junitxml` does not tell from any other that passed: that it was expected to fail, that a plugin repeats it after it failed, or
-    that asserts do nothing, since Python runs with `-O`."""
+    """A test says in a property what `--junitxml` does not tell from any other that passed: that it was expected to fail, that a plugin repeats it after it failed, that
+    it was set up and never called, as with `--setup-only`, or that asserts do nothing, since Python runs with `-O`."""
     report = yield
     before = item.stash.get(_SAID, "")
     said = before
@@ -80,6 +82,9 @@ def pytest_runtest_makereport(
         said = "failed"
     elif not before and ((report.passed and hasattr(report, "wasxfail")) or not __debug__):
         said = "skipped"
+    elif not before and report.when == "teardown" and item.stash.get(_READY, False):
+        said = "error"
+    item.stash[_READY] = report.when == "setup" and report.passed
     item.stash[_FAILED] = item.stash.get(_FAILED, False) or report.failed
     if said != before:
         from trackmarshal.junit.reading import OUTCOME
@@ -153,9 +158,9 @@ class _Said:
 
     def _seen(self, returned: object) -> object:
         if returned is not None:
-            self._wrong = (
-                f"it returned something ({type(returned).__name__}), which asserts nothing: `assert` it"
-            )
+            self._wrong = f"it returned something ({type(returned).__name__})"
+            begun = not (isgenerator(returned) or isawaitable(returned))
+            self._wrong += ", which asserts nothing: `assert` it" if begun else " whose body never began"
         return returned
 
     def hold(self) -> None:

@@ -277,9 +277,7 @@ def test_what_never_asked_anything_has_failed(project: Path) -> None:
     assert {test.name: test.outcome for test in tests} == came
     said = {test.name: test.message for test in tests}
     assert said["test_returns"].endswith("it returned something (bool), which asserts nothing: `assert` it")
-    assert said["Door::test_yields"].endswith(
-        "it returned something (generator), which asserts nothing: `assert` it"
-    )
+    assert said["Door::test_yields"].endswith("it returned something (generator) whose body never began")
     assert "nothing awaited it" in said["Door::test_is_not_awaited"]
     in_xml = reading.read(project / "out" / "a.xml", "a.xml")
     assert sorted((test.name, test.outcome) for test in in_xml) == sorted(
@@ -309,6 +307,18 @@ def test_what_passes_only_when_it_is_repeated_has_failed(project: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
     written = {test.name: test.outcome for test in reading.read(project / "out" / "a.xml", "a.xml")}
     assert written == {"test_flaky": "failed", "test_good": "passed"}
+
+
+@pytest.mark.parametrize("option", ["--setup-only", "--setup-plan"])
+def test_what_was_set_up_and_never_called_shows_nothing(project: Path, option: str) -> None:
+    """pytest writes of it what it writes of any test that passed."""
+    mark = '@pytest.mark.verifies("S-1-B-1")\n'
+    tests = (
+        f"import pytest\n{mark}def test_it(): assert False\n{mark}@pytest.mark.skip\ndef test_other(): pass\n"
+    )
+    assert run(project, tests, option, "--junitxml=out/a.xml").returncode == 0
+    written = {test.name: test.outcome for test in reading.read(project / "out" / "a.xml", "a.xml")}
+    assert written == {"test_it": "error", "test_other": "skipped"}
 
 
 def test_reports_in_xml_of_asserts_that_do_nothing_show_nothing(
