@@ -243,6 +243,20 @@ def test_errors_in_what_is_here(robot: Path) -> None:
     assert (status, "T363" in err, "requirements/needs.yaml" in err) == (2, True, True)
 
 
+def test_a_baseline_that_is_lost_or_was_changed_by_hand(robot: Path) -> None:
+    """What has to be accepted by name is not left out for want of it."""
+    path = robot / "requirements/baseline.json"
+    held = path.read_bytes()
+    for data in (None, held[:100], held.replace(b'"statement"', b'"statements"')):
+        path.unlink()
+        if data is not None:
+            path.write_bytes(data)
+        status, out, err = command(robot, "trace", "--impact", "HEAD")
+        assert (status, out, "T363" in err, "baseline" in err) == (2, "", True, True)
+        path.write_bytes(held)
+    assert command(robot, "trace", "--impact", "HEAD")[0] == 0
+
+
 @pytest.mark.parametrize("revision", ["nowhere", "-x", "", "HEAD:robot", "requirements"])
 def test_what_is_no_revision(revision: str, robot: Path) -> None:
     status, out, err = command(robot, "trace", f"--impact={revision}")

@@ -12,7 +12,7 @@ from trackmarshal.cli.project import MARKER
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
-    from trackmarshal.trace import Project
+    from trackmarshal.trace import Finding, Project
     from trackmarshal.trace.impact import Version
 
 
@@ -41,7 +41,12 @@ def answer(root: Path, args: argparse.Namespace) -> int:
     now = _now(root, args.quiet)
     with tempfile.TemporaryDirectory(prefix="trackmarshal-impact-") as folder:
         before = _then(args.impact, named, root, Path(folder).resolve())
-    made = impact.compared(before, now, baseline.load(root, now.project, []))
+        held = baseline.load(Path(folder).resolve(), before.project, [])
+    lacking: list[Finding] = []
+    accepted = baseline.load(root, now.project, lacking)
+    if lacking and (held or (now.project.baseline and (root / now.project.baseline).exists())):
+        raise _unknown(lacking[0])  # what has to be accepted by name would be left out, without a word
+    made = impact.compared(before, now, accepted)
     between = shown.Between(args.impact, named, commit(root), now.project.name or root.name)
     text = shown.render(made, between, args.format)
     if args.format == "text":
@@ -64,15 +69,19 @@ def _now(root: Path, quiet: bool) -> Version:
         fault_results=there.fault_results, findings=said.findings,
     )  # fmt: skip
     if made.wrong:
-        first, place = made.wrong[0], made.wrong[0].place
-        raise TrackmarshalError(
-            "T363",
-            f"what is here has errors, so what it means is not known: {first.message} [{first.code}]",
-            file=place.file if place else None,
-            line=place.line if place else None,
-            help="mend them first: `trackmarshal check`, `trackmarshal trace --as-is`",
-        )
+        raise _unknown(made.wrong[0])
     return made
+
+
+def _unknown(first: Finding) -> TrackmarshalError:
+    """That what is here cannot be compared, for what is wrong with it."""
+    return TrackmarshalError(
+        "T363",
+        f"what is here has errors, so what it means is not known: {first.message} [{first.code}]",
+        file=first.place.file if first.place else None,
+        line=first.place.line if first.place else None,
+        help="mend them first: `trackmarshal check`, `trackmarshal trace --as-is`",
+    )
 
 
 def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
@@ -91,7 +100,7 @@ def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
         )
     project = requirements.load(folder, [])
     named = [
-        *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
+        *([project.baseline] if project.baseline else []), *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
         *(e.path for e in project.evidence), *(b.evidence for b in project.backing), *(path for e in project.entries for kind, path in e.links if kind == "backed_by"),
     ]  # fmt: skip
     read_more(commit, root, folder, named, called=name)
