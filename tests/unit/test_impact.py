@@ -257,6 +257,23 @@ def test_a_baseline_that_is_lost_or_was_changed_by_hand(robot: Path) -> None:
     assert command(robot, "trace", "--impact", "HEAD")[0] == 0
 
 
+def test_files_of_the_safety_case_that_are_the_same(robot: Path) -> None:
+    """They are read of the revision, too: what is not, seems to have changed."""
+    edit(robot, "requirements/v-model.yaml", "project:\n", "project:\n  closed_loop: case/loop.json\n  case_words: case/fr.yaml\n  case_templates: case/printed\n")  # fmt: skip
+    (robot / "case/printed").mkdir(parents=True)
+    for name in ("loop.json", "fr.yaml", "printed/cover.html.j2"):
+        (robot / "case" / name).write_text("{}", "utf-8")
+    accept = ("--accept-baseline", "--by", "Ann", "--reason", "another language", "--quiet")
+    assert command(robot, "trace", *accept)[0] == 0
+    git(robot, "add", ".")
+    git(robot, "commit", "-qm", "a case")
+    assert "nothing means something else" in command(robot, "trace", "--impact", "HEAD")[1]
+    (robot / "case/printed/cover.html.j2").write_text("{{ }}", "utf-8")
+    out = command(robot, "trace", "--impact", "HEAD")[1]
+    assert "its case templates changed" in out
+    assert "closed loop" not in out
+
+
 @pytest.mark.parametrize("revision", ["nowhere", "-x", "", "HEAD:robot", "requirements"])
 def test_what_is_no_revision(revision: str, robot: Path) -> None:
     status, out, err = command(robot, "trace", f"--impact={revision}")

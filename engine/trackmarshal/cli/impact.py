@@ -100,7 +100,7 @@ def _then(name: str, commit: str, root: Path, folder: Path) -> Version:
         )
     project = requirements.load(folder, [])
     named = [
-        *([project.baseline] if project.baseline else []), *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
+        *(path for path in (project.baseline, project.closed_loop, project.case_templates, project.case_words) if path), *(s.path for s in project.scenarios), *(s.kept for s in project.scenarios if s.kept), *project.campaigns, *project.sources,
         *(e.path for e in project.evidence), *(b.evidence for b in project.backing), *(path for e in project.entries for kind, path in e.links if kind == "backed_by"),
     ]  # fmt: skip
     read_more(commit, root, folder, named, called=name)
