@@ -257,6 +257,15 @@ def test_a_baseline_that_is_lost_or_was_changed_by_hand(robot: Path) -> None:
     assert command(robot, "trace", "--impact", "HEAD")[0] == 0
 
 
+def test_a_revision_of_which_archives_hold_nothing(robot: Path) -> None:
+    """`.gitattributes` may keep all out of them that is asked for."""
+    (robot / ".gitattributes").write_text("* export-ignore\n", "utf-8")
+    git(robot, "add", ".")
+    git(robot, "commit", "-qm", "no archives")
+    status, out, err = command(robot, "trace", "--impact", "HEAD")
+    assert (status, "nothing means something else" in out, err) == (0, True, "")
+
+
 def test_files_of_the_safety_case_that_are_the_same(robot: Path) -> None:
     """They are read of the revision, too: what is not, seems to have changed."""
     edit(robot, "requirements/v-model.yaml", "project:\n", "project:\n  closed_loop: case/loop.json\n  case_words: case/fr.yaml\n  case_templates: case/printed\n")  # fmt: skip

@@ -109,7 +109,8 @@ def _read(
 ) -> Path:
     folder = _git(project, "rev-parse", "--show-prefix", name=name).strip()
     literal = [f":(literal){path}" for path in paths]
-    command = asking(project, "archive", "--format=tar", commit, "--", *literal)
+    # Of the tree: an archive of the commit begins with its hash, and one that holds nothing beside that is none to Python.
+    command = asking(project, "archive", "--format=tar", f"{commit}^{{tree}}", "--", *literal)
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=surroundings()
     ) as process:
