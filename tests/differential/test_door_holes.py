@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
+from support.typed import of_no_unit
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
@@ -161,7 +162,7 @@ def test_times_and_dates_are_no_numbers(backend: str) -> None:
     run = Run(backend)
     assert run.step().safe
     for unit in ("generic", "ns", "ps"):
-        seven = np.timedelta64(run.number + 1) if unit == "generic" else np.timedelta64(run.number + 1, unit)
+        seven = of_no_unit(run.number + 1) if unit == "generic" else np.timedelta64(run.number + 1, unit)
         bad = (
             (lambda given, t=seven: replace(given, t=t), ("wrong_type", "cycle", "t")),
             (lambda given, t=seven: replace(given, number=t), ("wrong_type", "cycle", "number")),

@@ -410,6 +410,13 @@ _NUMBER = ("number", "id")
 _SEQUENCE = ("numbers", "Booleans", "ids", "records", "points")
 
 
+def of_no_unit(number: int) -> np.timedelta64:
+    """A duration that does not say in what, of which numpy itself warns since 2.5."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        return np.timedelta64(number)
+
+
 def _n(make: Make) -> Example:
     """Of a number."""
     return Example(lambda v: make(v if isinstance(v, int | float) else 3.0), _NUMBER, 3.0)
@@ -472,7 +479,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
         _o(lambda _: b"abc"), _o(lambda _: bytearray(8)), _o(lambda _: memoryview(bytes(24)).cast("d")), _o(lambda _: np.bytes_(b"3")),
     ),
     "`numpy.timedelta64`, `datetime64`, and those of `datetime`": (
-        _n(lambda v: np.timedelta64(int(v))), _n(lambda v: np.timedelta64(int(v), "ns")), _n(lambda v: np.timedelta64(int(v), "s")),
+        _n(lambda v: of_no_unit(int(v))), _n(lambda v: np.timedelta64(int(v), "ns")), _n(lambda v: np.timedelta64(int(v), "s")),
         _n(lambda v: np.datetime64(int(v), "ns")), _n(lambda v: np.array(int(v), dtype="m8[ns]")),
         _o(lambda _: __import__("datetime").timedelta(seconds=3)),
     ),
