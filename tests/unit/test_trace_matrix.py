@@ -252,14 +252,21 @@ def test_a_run_outside_the_truth_of_a_rule_says_which() -> None:
     )
 
 
-def test_a_quiet_run_that_contradicts_its_ground_truth_fails_the_gate() -> None:
-    """That nothing fired is what it was to show, and wrong where something had to."""
+@pytest.mark.parametrize(
+    ("recording", "rule", "cell"),
+    [("field", "gap", ("S-1-A-2", "S-4-B")), ("skid", "friction", ("RR-2", "S-3-B"))],
+)
+def test_a_run_that_contradicts_its_ground_truth_fails_whatever_it_was_to_show(
+    recording: str, rule: str, cell: tuple[str, str]
+) -> None:
+    """That nothing fired, or that a rule did, is wrong where the truth is another one: what has to be unsafe came out safe."""
     small = Small()
-    truth = {"dynamic": TruthFacts(False, ("rated safe at 1 s, the ground truth is unsafe",), ("gap",))}
-    matrix = build(small, runs=run(small, "scenarios/field.jsonl", ground_truth=truth))
-    (found,) = trace.gate(matrix)
-    assert found.code == "T243"
+    truth = {"dynamic": TruthFacts(False, ("rated safe at 1 s, the ground truth is unsafe",), (rule,))}
+    runs = run(small, f"scenarios/{recording}.jsonl", ground_truth=truth)
+    before, matrix = build(small), build(small, runs=runs)
+    (found,) = (one for one in trace.gate(matrix) if one.code == "T243")
     assert "rated safe at 1 s" in found.message
+    assert (status(before, *cell), status(matrix, *cell)) == ("covered", "failed")
 
 
 def test_ground_truth_that_judges_other_rules_does_not_cover() -> None:

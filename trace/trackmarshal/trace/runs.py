@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.records import RunSummary, SpecItem, TruthFacts
@@ -32,6 +32,9 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
     facts = [said[name] for name in sorted(names) if name in said]
     evaluated = tuple(entry.rule for entry in facts if entry.number("satisfied", "violated"))
     fired = tuple(entry.rule for entry in facts if entry.number("violated"))
+    wrong = _wrong(_judging(run, names))
+    if wrong:  # whatever else the run was to show
+        return Showing("failed", wrong, evaluated, fired)
     match scenario.expect:
         case "ground_truth":
             due = tuple(entry.rule for entry in facts if entry.due)
@@ -66,11 +69,11 @@ def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
     run = _held(scenario, spec, hashes)
     if isinstance(run, Showing):
         return run
+    wrong = _wrong(run.ground_truth)
+    if wrong:
+        return Showing("failed", wrong)
     match scenario.expect:
         case "ground_truth":
-            outside = [(kind, t) for kind, t in sorted(run.ground_truth.items()) if not t.inside]
-            if outside:
-                return Showing("failed", "; ".join(_contradiction(kind, truth) for kind, truth in outside))
             if not run.ground_truth:
                 return Showing("missing", "the recording carries no ground truth")
             return Showing(
@@ -153,19 +156,7 @@ def _kept(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
 def _against_truth(
     run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...], due: tuple[str, ...]
 ) -> Showing:
-    truths = {
-        kind: truth
-        for kind, truth in sorted(run.ground_truth.items())
-        if not truth.rules or names & set(truth.rules)
-    }
-    outside = {kind: truth for kind, truth in truths.items() if not truth.inside}
-    if outside:
-        return Showing(
-            "failed",
-            "; ".join(_contradiction(kind, truth) for kind, truth in outside.items()),
-            evaluated,
-            fired,
-        )
+    truths = _judging(run, names)
     if run.unexpected:
         said = f"unsafe at {run.unexpected[0]:g} s, of which no ground truth says what to expect"
         return Showing("failed", said, evaluated, fired)
@@ -200,6 +191,21 @@ def _against_truth(
 
 def _count(rules: Sequence[str]) -> str:
     return "1 rule was" if len(rules) == 1 else f"{len(rules)} rules were"
+
+
+def _judging(run: RunSummary, names: set[str]) -> dict[str, TruthFacts]:
+    """The ground truth of a run that judges any of these rules, by its kind."""
+    return {
+        kind: truth
+        for kind, truth in sorted(run.ground_truth.items())
+        if not truth.rules or names & set(truth.rules)
+    }
+
+
+def _wrong(truths: Mapping[str, TruthFacts]) -> str:
+    """What verdicts of a run contradict; empty where all lie within."""
+    outside = ((kind, truth) for kind, truth in sorted(truths.items()) if not truth.inside)
+    return "; ".join(_contradiction(kind, truth) for kind, truth in outside)
 
 
 def _contradiction(kind: str, truth: TruthFacts) -> str:
@@ -306,6 +312,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
             quiet = _quiet(scenario, run)
             if quiet:
                 yield _of_run("T245", f"in `{path}`, {quiet} did not fire", scenario, run)
+            else:
+                yield from _outside(scenario, run)
         elif scenario.expect:  # one that cannot be read was reported where it stands
             raise ValueError(f"unknown expectation {scenario.expect!r}")
         if not stale:
