@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from .messages import Entry, Kind, Layout, LinkError, Message, is_number
+from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number
 
 
 class Channel(Protocol):
@@ -46,9 +46,10 @@ class Border:
             flat = [one for x, y in points for one in (x, y)]
         except (TypeError, ValueError) as error:
             raise LinkError("points are pairs [x, y]") from error
-        if not all(map(is_number, flat)):
+        others = [one for one in flat if type(one) not in PLAIN]
+        if not all(map(is_number, others)):
             raise LinkError("points are pairs [x, y] of numbers")
-        if any(map(_rounded, flat)):
+        if any(map(_rounded, others)):
             raise LinkError(
                 "short floats have no two numbers nearer than 1 cm where the points are: give them as float64"
             )

@@ -19,7 +19,8 @@ _FORMATS = {"u64": "Q", "i64": "q", "f64": "d", "u32": "I", "u16": "H", "i8": "b
 _MISSING: dict[str, float] = {"f64": math.nan, "i8": -1}
 #: What is no column: it holds none, or none in order, or bytes, of which nobody says which numbers they are.
 _NO_COLUMNS = (str, bytes, bytearray, Mapping, Set)
-_PLAIN = {float, int}
+#: Types of numbers of which nothing need be asked.
+PLAIN = {float, int}
 _HEAD = struct.Struct("<IIHHIQQQd")
 #: The CRC is of all that follows it.
 _CRC_FROM = 8
@@ -162,7 +163,7 @@ def _listed(value: Any, entry: Entry) -> list[Any]:
     if isinstance(value, _NO_COLUMNS) or kind in ("m", "M"):
         raise LinkError(f"`{entry.name}` is no column of numbers")
     found = value.tolist() if hasattr(value, "tolist") else list(value)
-    return found if _PLAIN.issuperset(map(type, found)) else [_sent(one, entry) for one in found]
+    return found if PLAIN.issuperset(map(type, found)) else [_sent(one, entry) for one in found]
 
 
 def _sent(one: Any, entry: Entry) -> Any:
