@@ -19,6 +19,8 @@ from unittest import TestCase
 import pytest
 
 VERIFIES = "verifies"
+#: What fails in a thread has failed: pytest itself passes such a test, with a warning.
+_OF_THREADS = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 #: Whether a test failed so far, and what its property says of it.
 _FAILED = pytest.StashKey[bool]()
 _SAID = pytest.StashKey[str]()
@@ -61,6 +63,8 @@ def pytest_make_collect_report(
         if isinstance(item, pytest.Item):
             ids, said = _verified(item)
             item.user_properties += [(VERIFIES, id_) for id_ in ids]
+            if ids:
+                item.add_marker(_OF_THREADS)
             wrong |= dict.fromkeys(said)
     if wrong:
         report.outcome = "failed"

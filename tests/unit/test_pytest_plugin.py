@@ -214,6 +214,7 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
 
 #: Tests that pass for pytest and for unittest, but for what they name: half of them never ask anything.
 EMPTY = """
+import threading
 import unittest
 
 import pytest
@@ -223,6 +224,12 @@ pytestmark = pytest.mark.verifies("S-1-B-1")
 
 def test_returns():
     return 1 == 2
+
+
+def test_in_a_thread():
+    thread = threading.Thread(target=lambda: 1 / 0)
+    thread.start()
+    thread.join()
 
 
 def test_says_so():
@@ -271,7 +278,7 @@ def test_what_never_asked_anything_has_failed(project: Path) -> None:
     assert done.returncode == 1, done.stdout + done.stderr
     tests = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
     came = {
-        "test_returns": "failed", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
+        "test_returns": "failed", "test_in_a_thread": "failed", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
         "Door::test_locks": "skipped", "Gate::test_is_awaited": "passed", "Gate::test_fails": "failed", "Deferring::test_returns": "passed",
     }  # fmt: skip
     assert {test.name: test.outcome for test in tests} == came
