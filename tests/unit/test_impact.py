@@ -272,7 +272,7 @@ def test_files_of_the_safety_case_that_are_the_same(robot: Path) -> None:
     (robot / "case/printed").mkdir(parents=True)
     for name in ("loop.json", "fr.yaml", "printed/cover.html.j2"):
         (robot / "case" / name).write_text("{}", "utf-8")
-    accept = ("--accept-baseline", "--by", "Ann", "--reason", "another language", "--quiet")
+    accept = ("--accept-baseline", "--by", "Maria Motor", "--reason", "another language", "--quiet")
     assert command(robot, "trace", *accept)[0] == 0
     git(robot, "add", ".")
     git(robot, "commit", "-qm", "a case")

@@ -177,7 +177,14 @@ def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> Non
     """The small project with hazards, goals, design, a decomposition that is argued, and a review."""
     small = Small.copy(tmp_path)
     apply(small, (HERE / "all_kinds.edits").read_text("utf-8").splitlines())
-    small.accept()
+    before = (small.root / "requirements/baseline.json").read_bytes()
+    with pytest.raises(
+        TrackmarshalError, match="`Ann Author`, who is to accept it, is none of the persons"
+    ) as refused:
+        small.accept()
+    assert refused.value.code == "T153"
+    assert (small.root / "requirements/baseline.json").read_bytes() == before
+    small.accept(by="the safety manager")
     matrix = small.matrix()
     assert [str(finding) for finding in matrix.findings] == []
     engine = {

@@ -79,7 +79,7 @@ class Small:
                 held += records.load(path).items
         return held
 
-    def accept(self) -> None:
+    def accept(self, by: str = "Ann Author") -> None:
         """Accept what there is now."""
         held = self._held()
         items = [item for item in held if isinstance(item, SpecItem)]
@@ -89,7 +89,7 @@ class Small:
             [item for item in held if isinstance(item, SpecTest)],
             [item for item in held if isinstance(item, FaultCase)],
             [item for item in held if isinstance(item, SpecPart)],
-            self._inputs(items), by="Ann Author", reason="a case", today=TODAY,
+            self._inputs(items), by=by, reason="a case", today=TODAY,
         )  # fmt: skip
 
     def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:

@@ -59,7 +59,7 @@ def accept(
 ) -> tuple[Path, list[str]]:
     """Write the baseline of a project anew, whole or not at all; returns its path, and what became weaker by that.
 
-    there: all tests of other runners by report, as `carried` takes them. tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why; T220 for a baseline that cannot be read, T379 for one that was changed by hand.
+    there: all tests of other runners by report, as `carried` takes them. tell: whether rules got weaker or stronger, which stays in the acceptance. Raises T378 where something became weaker and nobody says who accepts it, or why, T153 where who does is none of the persons that the project declares; T220 for a baseline that cannot be read, T379 for one that was changed by hand.
     """
     found: list[Finding] = []
     path = root / (project.baseline or DEFAULT)
@@ -80,6 +80,13 @@ def accept(
         raise TrackmarshalError(
             "T378", f"less is demanded or shown than was accepted: {weaker[0]}{more}",
             help='say who accepts that, and why: `--by "NAME" --reason "..."`',
+        )  # fmt: skip
+    persons = [entry for entry in project.entries if entry.kind == "person"]
+    named = {str(said) for entry in persons for said in (entry.id, entry.title)}
+    if weaker and persons and by.strip() not in named:
+        raise TrackmarshalError(
+            "T153", f"less is demanded or shown than was accepted, and `{by.strip()}`, who is to accept it, is none of the persons of the project",
+            help=f"`--by` one of {', '.join(f'`{entry.title}`' for entry in persons)}, or add who does to `persons`",
         )  # fmt: skip
     done = () if before is None else before.acceptances
     if before is not None and before.content == now and done[-1].engine == engine:
