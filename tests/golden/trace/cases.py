@@ -79,7 +79,7 @@ class Small:
                 held += records.load(path).items
         return held
 
-    def accept(self, by: str = "Ann Author") -> None:
+    def accept(self, by: str = "the safety manager") -> None:
         """Accept what there is now."""
         held = self._held()
         items = [item for item in held if isinstance(item, SpecItem)]
