@@ -40,7 +40,7 @@ def made(backend: str, clock: Clock, limits: Limits | None = None) -> Any:
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_it_is_driven_from_its_own_time_on(backend: str) -> None:
     clock = Clock()
-    watched = made(backend, clock, Limits(oldest=0.1))
+    watched = made(backend, clock)
     for number in range(3):
         given = begun_before(number)
         clock.now = given.t + 0.06

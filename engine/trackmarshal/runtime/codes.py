@@ -22,7 +22,7 @@ CODES = {
     "D223": ("a cycle out of order", "Its number or its stamp is smaller than that of the cycle before. The cycle is not safe."),
     "D224": ("cycles were lost", "The number is more than one larger than that of the cycle before. The cycle is not safe; the next one may be."),
     "D225": ("a cycle is late", "Its stamp is further from that of the cycle before than `longest_gap` allows. The cycle is not safe; the next one may be."),
-    "D226": ("a cycle is stale", "It arrived longer after its stamp than `oldest` allows: what it says was so some time ago. The cycle is not safe. A planner that takes longer declares a larger `oldest`, and a `response` and `response_other` that cover it and `longest_gap`."),
+    "D226": ("a cycle is stale", "It arrived longer after its stamp than `oldest` allows: what it says was so some time ago. The cycle is not safe."),
     "D227": ("a stamp in the future", "The stamp is ahead of the Supervisor's clock: the clocks differ, or the stamp is wrong. Where the clock shows nothing, it may be: it does not follow soon after that of the cycle before. The cycle is not safe, and its stamp is not remembered."),
     "D228": ("the emergency trajectory starts elsewhere", "Both candidates begin where the car is at the stamp of the cycle: in position, heading and speed. Where they do not, one of them starts where the car never will be. The cycle is not safe."),
     "D229": ("the emergency trajectory does not end at rest", "Behind its end nothing is planned, so the car has to stand there. The cycle is not safe."),

@@ -60,7 +60,7 @@ class Limits:
     #: lie ahead of the clock.
     shortest_gap: float = 0.001
     longest_gap: float = 0.15
-    oldest: float = 0.05
+    oldest: float = 0.1
     clock_tolerance: float = 0.01
     #: Time from the arrival of a cycle to its verdict.
     budget: float = 0.05

@@ -47,7 +47,7 @@ DRIVEN = "specs/scenarios/driven.tmrec.jsonl"
 L = "specs/limits.spec"
 LIMITS = put(
     L,
-    b'module supervisor.limits\n\nparam start_distance : m = 0.05 m in [0, 100] source "planner, 2"\nparam oldest : s = 0.05 s in [0, 1] source "timing, 1"\n',
+    b'module supervisor.limits\n\nparam start_distance : m = 0.05 m in [0, 100] source "planner, 2"\nparam oldest : s = 0.1 s in [0, 1] source "timing, 1"\n',
 )
 GENERATED = swap(
     V,
