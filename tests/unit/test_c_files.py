@@ -425,6 +425,19 @@ def test_arithmetic_of_another_kind_is_refused(flags: str, tmp_path: Path) -> No
     assert "compile this file with" in said.stderr
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("macro", ["__DBL_MANT_DIG__=24", "__DBL_MAX_EXP__=128"])
+def test_a_double_that_is_a_float_is_refused(macro: str, tmp_path: Path) -> None:
+    """As compilers for AVR, RX and SH-4 have it: the bound of a finite number was infinite, and constants had seven digits."""
+    made = one_rule("friction").source
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    command = ["gcc", "-std=c99", "-E", f"-U{macro.partition('=')[0]}", f"-D{macro}", f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.returncode != 0
+    assert "none of IEEE 754 with 64 bits" in said.stderr
+
+
 BEGINS = """
 #include "supervisor.h"
 static tm_context context;
@@ -436,7 +449,10 @@ int main(void) { return (int)tm_init(&context); }
     ("flags", "status"),
     [
         ("clang -O2 -fno-honor-nans", 4), ("clang -O2 -fassociative-math -fno-signed-zeros -fno-trapping-math", 4), ("clang -O2", 0),
+        ("clang -O2 -freciprocal-math", 4), ("clang -O2 -fno-signed-zeros", 4), ("clang -O2 -mfma -ffp-contract=fast", 4),
+        ("clang -O2 -mfma -ffp-contract=on", 0), ("gcc -O1 -fsingle-precision-constant", 4), at_length("gcc -O3 -mfma -ffp-contract=fast", 0),
         # gcc tells of them, which is taken back here, so that it is tried where there is no clang.
+        at_length("gcc -O2 -freciprocal-math -U__RECIPROCAL_MATH__", 4), at_length("gcc -O2 -fno-signed-zeros -U__NO_SIGNED_ZEROS__", 4),
         ("gcc -O2 -ffinite-math-only -U__FINITE_MATH_ONLY__", 4),
         ("gcc -O2 -fassociative-math -fno-signed-zeros -fno-trapping-math -U__ASSOCIATIVE_MATH__ -U__NO_SIGNED_ZEROS__", 4), ("gcc -O2", 0), ("gcc -O0", 0),
     ],
@@ -444,6 +460,8 @@ int main(void) { return (int)tm_init(&context); }
 def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: int, tmp_path: Path) -> None:  # fmt: skip
     """Of rules alone; a Supervisor's configuration is refused likewise, so that it admits no cycle."""
     name, *options = flags.split()
+    if "-mfma" in options and "fma" not in build._features():
+        pytest.skip("this machine does not fuse")
     compiler = shutil.which(name) or shutil.which(f"{name}-14")
     if compiler is None:
         pytest.skip(f"no {name}")

@@ -3,16 +3,30 @@ static bool tm_finite(double x) {
   return fabs(x) <= DBL_MAX;
 }
 
-/** Whether this was compiled for numbers as IEEE 754 has them: NaN equals nothing, and sums are taken as they are written. Of some flags
-   (clang's -fno-honor-nans, -fassociative-math) no macro tells. */
+/** Whether this was compiled for numbers as IEEE 754 has them: NaN equals nothing, infinities are beyond every number, both zeros make one
+   when 0.0 is added, constants have all their digits, and sums, products and quotients are taken one by one as they are written. Of some
+   flags (clang's -fno-honor-nans, -freciprocal-math, -ffp-contract=fast; gcc's -fsingle-precision-constant) no macro tells. */
 static bool tm_as_written(void) {
   volatile double given = TM_NAN; /* volatile: worked out when it runs, with the code of all others */
   const double none = given;
+  given = TM_INF;
+  const double endless = given;
+  given = -0.0;
+  const double zero = given;
   given = 1e16;
   const double large = given;
   given = 1.0;
   const double one = given;
-  return !(none == none) && !(((large + one) - large) > 0.0);
+  given = 3.0;
+  const double three = given;
+  given = 10.0;
+  const double ten = given;
+  given = 1.0 + (1.0 / 1073741824.0); /* 1 + 2^-30: its square is rounded to 1 + 2^-29 */
+  const double base = given;
+  given = 1.0 + (1.0 / 536870912.0);
+  const double square = given;
+  return !(none == none) && !tm_finite(endless) && ((one / (zero + 0.0)) > 0.0) && !(((large + one) - large) > 0.0)
+      && ((one / ten) == 0.1) && ((three / 10.0) == 0.3) && (((base * base) - square) == 0.0);
 }
 
 /** Whether a flag has no value. */
