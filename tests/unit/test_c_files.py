@@ -625,6 +625,25 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     assert f"[{caught.value.code}]" in said
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_the_emitted_build_file_asks_for_what_python_compiles_with(written: Path) -> None:
+    """In an order in which nothing is taken back: a step took longer, and functions of constants were the compiler's."""
+    text = (written / "CMakeLists.txt").read_text(encoding="utf-8")
+    asked = " ".join(re.findall(r"^add_compile_options\((.*)\)$", text, re.M)).split()
+    levels = {"-std=c99", "-O0", "-O2"}  # CMake's own
+    taken = [flag for flag in (*build.EXACT, *build.FAST) if flag not in levels]
+    assert set(taken) <= set(asked)
+    said = []
+    for flags in (asked, taken):
+        command = ["gcc", "-O2", *flags, "-Q", "--help=optimizers"]
+        done = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        said.append(
+            {line.split()[0]: line.split()[1:] for line in done.splitlines() if line.startswith("  -f")}
+        )
+    assert said[0] == said[1]
+    assert said[0]["-fmath-errno"] == said[0]["-ftrapping-math"] == ["[disabled]"]
+
+
 @needs_compiler
 @pytest.mark.acceptance
 def test_the_emitted_build_file_builds(written: Path, tmp_path: Path) -> None:

@@ -25,12 +25,11 @@ from trackmarshal.ir.operators import FUNCTIONS
 #: Functions of libm of which another one may give other digits.
 OWN_DIGITS = sorted({c for name, function in FUNCTIONS.items() if function.libm for c in called(name)[1]})
 #: Without these, a compiler may fuse, re-associate, or compute functions of constants by other code than libm's.
-EXACT = (
-    "-std=c99", "-ffp-contract=off", "-fno-fast-math",
-    *(f"-fno-builtin-{name}" for name in OWN_DIGITS),
-)  # fmt: skip
-#: sqrt as one instruction: nobody reads errno. Signals of the floating-point unit are not used either.
-FAST = ("-O2", "-fno-math-errno", "-fno-trapping-math")
+DIGITS = ("-ffp-contract=off", "-fno-fast-math", *(f"-fno-builtin-{name}" for name in OWN_DIGITS))
+EXACT = ("-std=c99", *DIGITS)
+#: sqrt as one instruction: nobody reads errno. Signals of the floating-point unit are not used either. Behind -fno-fast-math, which takes both back.
+UNSIGNALLED = ("-fno-math-errno", "-fno-trapping-math")
+FAST = ("-O2", *UNSIGNALLED)
 SHARED = ("-shared", "-fPIC")
 #: Where Linux tells of processors.
 PROCESSORS = Path("/proc/cpuinfo")

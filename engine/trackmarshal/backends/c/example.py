@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from trackmarshal.backends.c.build import DIGITS, UNSIGNALLED
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
 from trackmarshal.backends.c.interface import LIMITS
@@ -35,7 +36,7 @@ def example(source: Source, capacities: Mapping[str, int] | None = None) -> dict
         files = {name: render(f"example/{name}.j2", context) for name in ("main.c", "cycles.c", "cycles.h")}
     made = {
         "name": source.name, "sources": [name for name in files if name.endswith(".c")], "process": capacities is not None,
-        "capacities": list((capacities or {}).items()),
+        "capacities": list((capacities or {}).items()), "exact": DIGITS, "fast": UNSIGNALLED,
     }  # fmt: skip
     return files | {"CMakeLists.txt": render("example/CMakeLists.txt.j2", made)}
 
