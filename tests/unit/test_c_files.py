@@ -478,6 +478,33 @@ def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: i
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_rules_alone_have_no_verdict_with_arithmetic_of_another_kind(tmp_path: Path) -> None:
+    """A host that goes on after `tm_init` had them: of a missing number, violated. The example blames what is to blame."""
+    text = 'module alone\n\nsignal gap : state { ahead: m }\n\nrule apart "Stay apart"\n  satisfies R-1\n  require gap.ahead > 2 m\n'
+    (tmp_path / "alone.spec").write_text(text, encoding="utf-8")
+    folder = emit(tmp_path / "out", spec=tmp_path / "alone.spec", recordings=[])
+    (folder / "host.c").write_text(
+        '#include "supervisor.h"\n#include <stdio.h>\nstatic tm_context c;\nstatic tm_output out;\nint main(void) { tm_input in; in.gap.ahead = 9.0; (void)tm_init(&c);\n'
+        '  const int said = (int)tm_check(&c, &in, &out); (void)printf("%d %d", said, (int)out.rule[0].verdict); return 0; }\n'
+    )
+    said = []
+    for host, flags in (
+        ("host.c", ["-O1"]),
+        ("host.c", ["-O1", "-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]),
+        ("main.c", ["-O1", "-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]),
+    ):
+        subprocess.run(
+            ["gcc", "-std=c99", *flags, "supervisor.c", host, "-o", "made", "-lm"],
+            cwd=folder,
+            capture_output=True,
+            check=True,
+        )
+        done = subprocess.run([folder / "made"], capture_output=True, text=True, check=False)
+        said.append((done.returncode, done.stdout, "compiler's flags" in done.stderr))
+    assert said == [(0, "0 0", False), (0, "4 2", False), (1, "", True)]
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("capacity", [at_length("SAMPLES"), "BORDER", at_length("REASONS")])
 def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Path) -> None:
     """It was overwritten beyond its end, without a word."""

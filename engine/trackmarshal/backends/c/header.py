@@ -148,9 +148,13 @@ def along(plan: Layout) -> str:
     return "TM_MAX_SAMPLES" if course is None else course.size
 
 
+#: Of rules alone, as `configured` is of a Supervisor.
+TRIED = "  unsigned tried; /* 1u once tm_init found that numbers are computed as they are written: without, tm_check refuses */"
+
+
 def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[str]:
     """Members of the context."""
-    members = [] if supervised is None else interface.members(plan, supervised)
+    members = [TRIED] if supervised is None else interface.members(plan, supervised)
     if plan.params:
         members.append("  tm_params params;")
     if plan.tables:
@@ -168,4 +172,4 @@ def _members(plan: Layout, series: int, supervised: Supervised | None) -> list[s
         members += ["  struct {", *joined, "  } course; /* of the candidate that is being rated */"]
     if plan.remembers:
         members.append("  tm_run run;")
-    return [*members, *places.members(plan)] or ["  tm_flag unused;"]
+    return [*members, *places.members(plan)]
