@@ -477,31 +477,51 @@ def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: i
         assert subprocess.run([tmp_path / "begins"], check=False).returncode == status
 
 
+GOES_ON = """
+#include "supervisor.h"
+#include <stdio.h>
+static tm_context context;
+static tm_online_slow monitor;
+int main(void) {
+  static const double t[1] = {0.0}, v[1] = {3.0};
+  tm_sample_slow sample;
+  tm_input in;
+  tm_output out;
+  sample.v = 3.0;
+  in.gap.ahead = 9.0;
+  in.log.count = 1u;
+  in.log.t = t;
+  in.log.v = v;
+  (void)tm_init(&context);
+  const int status = (int)tm_check(&context, &in, &out);
+  tm_online_slow_start(&monitor);
+  const int pushed = (int)tm_online_slow_push(&context, &monitor, &sample);
+  tm_online_slow_finish(&context, &monitor);
+  (void)printf("%d %d %d %d", status, (int)out.rule[0].verdict, pushed, (int)monitor.verdict.verdict);
+  return 0;
+}
+"""
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_rules_alone_have_no_verdict_with_arithmetic_of_another_kind(tmp_path: Path) -> None:
-    """A host that goes on after `tm_init` had them: of a missing number, violated. The example blames what is to blame."""
-    text = 'module alone\n\nsignal gap : state { ahead: m }\n\nrule apart "Stay apart"\n  satisfies R-1\n  require gap.ahead > 2 m\n'
+    """A host that went on after `tm_init` had them, and so had a monitor. The example blames what is to blame."""
+    text = (
+        "module alone\n\nsignal gap : state { ahead: m }\nsignal log : series { t: s increasing, v: m/s }\n\n"
+        'rule apart "Stay apart"\n  satisfies R-1\n  require gap.ahead > 2 m\n\n'
+        'rule slow "Stay slow"\n  satisfies R-1\n  along log as p\n  require always (p.v <= 9 m/s)\n'
+    )
     (tmp_path / "alone.spec").write_text(text, encoding="utf-8")
     folder = emit(tmp_path / "out", spec=tmp_path / "alone.spec", recordings=[])
-    (folder / "host.c").write_text(
-        '#include "supervisor.h"\n#include <stdio.h>\nstatic tm_context c;\nstatic tm_output out;\nint main(void) { tm_input in; in.gap.ahead = 9.0; (void)tm_init(&c);\n'
-        '  const int said = (int)tm_check(&c, &in, &out); (void)printf("%d %d", said, (int)out.rule[0].verdict); return 0; }\n'
-    )
+    (folder / "host.c").write_text(GOES_ON)
+    others = ["-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]
     said = []
-    for host, flags in (
-        ("host.c", ["-O1"]),
-        ("host.c", ["-O1", "-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]),
-        ("main.c", ["-O1", "-ffinite-math-only", "-U__FINITE_MATH_ONLY__"]),
-    ):
-        subprocess.run(
-            ["gcc", "-std=c99", *flags, "supervisor.c", host, "-o", "made", "-lm"],
-            cwd=folder,
-            capture_output=True,
-            check=True,
-        )
+    for host, flags in (("host.c", []), ("host.c", others), ("main.c", others)):
+        command = ["gcc", "-std=c99", "-O1", *flags, "supervisor.c", host, "-o", "made", "-lm"]
+        subprocess.run(command, cwd=folder, capture_output=True, check=True)
         done = subprocess.run([folder / "made"], capture_output=True, text=True, check=False)
         said.append((done.returncode, done.stdout, "compiler's flags" in done.stderr))
-    assert said == [(0, "0 0", False), (0, "4 2", False), (1, "", True)]
+    assert said == [(0, "0 0 1 0", False), (0, "4 2 0 2", False), (1, "", True)]
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")

@@ -316,7 +316,7 @@ def _types(
     yield f"/* The monitor of {comment(rule.name)}: samples so far, those whose value is final (the last TM_MAX_ONLINE are kept, sample i at"
     yield "   result[i % TM_MAX_ONLINE]), and the rule's verdict: open until it is decided. */"
     yield "typedef struct {"
-    yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit */"
+    yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit, or numbers are not computed as they are written */"
     yield "  tm_cases all; /* of the samples so far, where the rule is about all of them */"
     if fields:
         yield "  struct {"
@@ -342,8 +342,8 @@ def _functions(
     yield f"/* Begin a timeline of {comment(rule.name)}. */"
     yield f"void tm_online_{name}_start(tm_online_{name} *m)"
     yield "{"
-    yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = false;"
-    yield "  m->verdict.verdict = TM_OPEN;\n  m->verdict.margin = TM_NAN;"
+    yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = !tm_as_written(); /* as tm_check refuses then */"
+    yield "  m->verdict.verdict = m->broken ? TM_UNDEFINED : TM_OPEN;\n  m->verdict.margin = TM_NAN;"
     yield f"  m->all = {'tm_true_any' if over is Extreme.LEAST else 'tm_false_any'}();"
     if flows:
         yield f"  for (size_t i = 0u; i < {flows}u; ++i) {{"
