@@ -109,6 +109,10 @@ def test_headings_of_other_conventions(given: float, convention: dict[str, Any],
         (lambda: tm.time_along(np.array([0, 1], "m8[ns]"), [1.0, 1.0]), "D191"),
         (lambda: tm.time_along(np.array([0, 1], "M8[ns]"), [1.0, 1.0]), "D191"),
         (lambda: tm.time_along([0.0, np.timedelta64(1, "ns")], [1.0, 1.0]), "D191"),
+        (lambda: tm.arc_length([0.0, 1.0], np.array([5.3e6, 5.3e6], np.float32)), "D191"),
+        (lambda: tm.arc_length([0.0, 1.0], list(np.array([5.3e6, 5.3e6], np.float32))), "D191"),
+        (lambda: tm.arc_length(np.array([131_072.0, 0.0], ">f4"), [0.0, 1.0]), "D191"),
+        (lambda: tm.arc_length(np.array([0.0, 16.0], np.float16), [0.0, 1.0]), "D191"),
         (lambda: tm.complete({"x": [0.0], "y": [0.0]}), "D192"),
         (lambda: tm.complete([1.0]), "D191"),  # type: ignore[arg-type]
         (lambda: tm.cut_at_rest(arc(), -1.0), "D194"),
@@ -124,6 +128,15 @@ def test_what_cannot_be_done_is_refused(call: Any, code: str) -> None:
         call()
     assert caught.value.code == code
     assert caught.value.help
+
+
+def test_short_floats_are_taken_where_they_have_lost_nothing() -> None:
+    """65 km from the origin they are 8 mm apart; of a survey's northing the door would refuse them, and the helpers make doubles of them."""
+    for short in (np.array([65_536.0, 65_539.0], np.float32), [np.float32(65_536.0), np.float32(65_539.0)]):
+        assert tm.arc_length(short, np.zeros(2, np.float16)).tolist() == [0.0, 3.0]
+    far = np.array([np.nan, np.inf, 1e10], np.float32)
+    columns = tm.complete({"x": [0.0, 1.0, 2.0], "y": np.zeros(3), "v": np.ones(3), "about": far})
+    assert columns["about"].tolist()[1:] == [math.inf, 1e10]
 
 
 @pytest.mark.parametrize("v", [9.8, 20.0, 24.49, 31.7])

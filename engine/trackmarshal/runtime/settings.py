@@ -154,9 +154,9 @@ def _points(raw: Any, what: str, placed: bool = False) -> list[Point]:
             entries = "1 entry" if len(pair) == 1 else f"{len(pair)} entries"
             raise TrackmarshalError("D202", f"{what}[{index}] has {entries}, not 2", help="a point is [x, y]")
         if placed and not {float, int}.issuperset(map(type, pair)):
-            from trackmarshal.runtime.door.lines import point_rounded
+            from trackmarshal.runtime.door.values import rounded
 
-            if lost := point_rounded(pair):
+            if lost := rounded(pair):
                 raise TrackmarshalError("D204", f"{what}[{index}]: {lost}", help="give it as float64")
         points.append((_number(pair[0], f"{what}[{index}]"), _number(pair[1], f"{what}[{index}]")))
     return points

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 #: Columns by name.
 Lists = dict[str, list[float]]
+#: Columns of lengths [m].
+_LENGTHS = ("s", "x", "y")
 
 
 def numbers(name: str, values: Any) -> list[float]:
@@ -25,18 +27,43 @@ def numbers(name: str, values: Any) -> list[float]:
     listed = list(values) if _timed(values) or not hasattr(values, "tolist") else values.tolist()
     if not isinstance(listed, list):
         raise _unusable(f"`{name}` is one number, not a column")
-    found = []
+    found: list[float] = []
+    short = _short(values)
     for index, value in enumerate(listed):
         if value is None:
             value = math.nan
         elif hasattr(value, "item") and not hasattr(value, "__len__") and not _timed(value):
-            value = value.item()
+            short, value = short or _short(value), value.item()
         if type(value) is not float:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise _unusable(f"`{name}[{index}]` is {type(value).__name__}, not a number")
             value = float(value)
         found.append(value)
+    if (
+        name in _LENGTHS
+        and short is not None
+        and max(map(abs, filter(math.isfinite, found)), default=0.0) >= _far(short)
+    ):
+        raise _unusable(
+            f"`{name}` is of {short.name}, which has no two numbers nearer than 1 cm there: give it as float64"
+        )
     return found
+
+
+def _short(values: Any) -> Any:
+    """The type of numpy of a column, or a number, that is of floats of less than 64 bits; None for anything else."""
+    dtype: Any = getattr(values, "dtype", None)
+    return dtype if getattr(dtype, "kind", "") == "f" and dtype.itemsize < 8 else None
+
+
+def _far(short: Any) -> float:
+    """From where on [m] numbers of a type of short floats lie more than 1 cm apart, which the door of a Supervisor refuses of lengths."""
+    import numpy as np
+
+    far = 1.0
+    while np.spacing(np.array(far, short)) <= 0.01:
+        far *= 2.0
+    return far
 
 
 def _timed(values: Any) -> bool:

@@ -20,7 +20,7 @@ from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.door.wording import no_member
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Names
-from trackmarshal.units import parse_unit
+from trackmarshal.units import LENGTH, parse_unit
 
 Ints = NDArray[np.intp]
 
@@ -68,6 +68,13 @@ class ColumnsReader:
             for row, field in enumerate(self._numbers)
             if parse_unit(field.unit)[:2] != (1.0, 1.0)
         ]
+        #: The units of lengths, in m.
+        self._metres = {
+            field.name: up / down
+            for field in self._numbers
+            for up, down, dimension in (parse_unit(field.unit),)
+            if dimension == LENGTH
+        }
         self._spared = {f.name for f in signal.fields_ if not f.needed}
         self._members = {f.name: f.members for f in self._numbers if f.members}
         self._defaults = {f.name: f.default for f in signal.fields_ if f.default is not None}
@@ -256,7 +263,7 @@ class ColumnsReader:
             elif name in self._members:
                 read |= self._one(name, column, needed, faults, partial(self._places, name, faults))
             else:
-                read |= self._one(name, column, needed, faults, lambda c: values.numbers(c, self._spelt))
+                read |= self._one(name, column, needed, faults, partial(self._measured, name))
         ids = self._read_ids(data.get("id"), faults) if self.signal.form == SET else None
         if ids is None and self.signal.named and data.get("id") is None and any(map(_some, data.values())):
             faults.append(fault("missing", self.label, "id", None, NAMELESS))
@@ -318,6 +325,13 @@ class ColumnsReader:
             at = None if record else error.index
             faults.append(fault("wrong_type", self.label, name, at, error.message))
         return {}
+
+    def _measured(self, name: str, column: Any) -> Floats:
+        """A column of numbers; raises WrongTypeError, for lengths also where short floats have rounded them."""
+        found = values.numbers(column, self._spelt)
+        if name in self._metres and (lost := values.rounded(column, self._metres[name])):
+            raise WrongTypeError(lost)
+        return found
 
     def _places(self, name: str, faults: list[Fault], column: Any) -> Floats:
         """The places of members; a name that is none of theirs is a fault, and nothing is known of it."""

@@ -19,27 +19,7 @@ from trackmarshal.runtime.lines import Line
 KEPT = 32
 _FLOAT = np.dtype(np.float64)
 _ROWS, _NUMBERS = {list, tuple}, {float, int}
-#: How far apart [m] the numbers of an array may be where its coordinates are: of a `float32`, the northing of a survey is rounded to 0.5 m.
-_COARSE = 0.01
 Floats = NDArray[np.float64]
-
-
-def _rounded(array: NDArray[Any] | np.floating[Any]) -> str:
-    """What short floats, an array or a number out of one, have lost of their coordinates; empty where that is nothing of weight."""
-    if array.dtype.kind != "f" or array.dtype.itemsize >= _FLOAT.itemsize:
-        return ""
-    with np.errstate(all="ignore"):
-        largest = np.abs(np.asarray(array).astype(array.dtype.newbyteorder("=")))
-    apart = float(np.spacing(largest[np.isfinite(largest)].max(initial=0)))
-    return f"{array.dtype.name} has no two numbers nearer than {apart:g} m there" if apart > _COARSE else ""
-
-
-def point_rounded(point: Any) -> str:
-    """What a point [x, y] has lost by short floats, whatever holds its numbers; empty where that is nothing of weight."""
-    if values.is_array(point) and point.dtype != object:
-        return _rounded(point)
-    short = (value for value in point if isinstance(value, np.floating | np.ndarray))
-    return next(filter(None, map(_rounded, short)), "")
 
 
 def line(points: Any) -> Line:
@@ -154,7 +134,7 @@ def points_of(raw: Any) -> Floats:
             raise NoLineError("wrong_type", index, "not a point [x, y]") from error
         if len(pair) != 2:
             raise NoLineError("wrong_type", index, "not a point [x, y]")
-        if lost := point_rounded(point):
+        if lost := values.rounded(point):
             raise NoLineError("wrong_type", index, lost)
         for axis, value in enumerate(pair):
             coordinate = values.number(value)
@@ -174,7 +154,7 @@ def _numbers(array: Any) -> Floats | None:
         found = None
     if found is None:
         raise NoLineError("wrong_type", None, "not a list of points")
-    if lost := _rounded(array):
+    if lost := values.rounded(array):
         raise NoLineError("wrong_type", None, lost)
     return found
 

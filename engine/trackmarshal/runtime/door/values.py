@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 #: Kinds of numpy's types whose values are numbers, and whole ones.
 NUMBERS, WHOLE = "iuf", "iu"
+#: How far apart [m] the numbers of a short float may be where lengths are: the northing of a survey is rounded to 0.5 m in a `float32`.
+COARSE = 0.01
 #: Kinds of arrays that are taken, beside masked ones. Others may mean something else by their numbers.
 _ARRAYS = (np.ndarray, np.memmap)
 
@@ -176,6 +178,34 @@ def floats(array: Any, axes: int = 1) -> Floats | None:
     if is_masked(array):
         made[np.ma.getmaskarray(array)] = math.nan
     return made
+
+
+def rounded(column: Any, unit: float = 1.0) -> str:
+    """What a column of lengths, or a point, has lost by floats of less than 64 bits, whatever holds them; empty where that is nothing of weight.
+
+    unit: theirs, in m.
+    """
+    if is_array(column) and column.dtype != object:
+        return _apart(column, unit)
+    short: dict[Any, list[Any]] = {}
+    for value in column if is_array(column) else entries(column):
+        if (is_a(value, np.floating) or (type(value) is np.ndarray and value.ndim == 0)) and _short(value):
+            short.setdefault(value.dtype, []).append(value)
+    return next(filter(None, (_apart(np.array(each, kind), unit) for kind, each in short.items())), "")
+
+
+def _short(held: Any) -> bool:
+    """Whether an array, or a number of numpy, is of floats of less than 64 bits."""
+    return bool(held.dtype.kind == "f" and held.dtype.itemsize < np.dtype(np.float64).itemsize)
+
+
+def _apart(array: NDArray[Any], unit: float) -> str:
+    if not _short(array):
+        return ""
+    with np.errstate(all="ignore"):
+        largest = np.abs(np.asarray(array).astype(array.dtype.newbyteorder("=")))
+    apart = unit * float(np.spacing(largest[np.isfinite(largest)].max(initial=0)))
+    return f"{array.dtype.name} has no two numbers nearer than {apart:g} m there" if apart > COARSE else ""
 
 
 def objects(array: Any) -> list[Any]:
