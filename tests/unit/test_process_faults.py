@@ -540,7 +540,7 @@ def test_what_a_masked_array_hides_is_missing(rig: Rig) -> None:
 #: Entries for so many numbers, and Booleans, as a description of messages has them.
 SAID = {
     "name": "cycle", "kind": 1, "from": "planner", "length": 72, "entries": [
-        {"name": "v", "offset": 0, "type": "f64", "count": 8, "array": True},
+        {"name": "v", "offset": 0, "type": "f64", "count": 8, "array": True, "unit": "m/s"},
         {"name": "ready", "offset": 64, "type": "i8", "count": 8, "array": True},
     ],
 }  # fmt: skip
@@ -605,6 +605,23 @@ def test_a_border_of_short_floats_that_lie_far_apart_there(made: Any, short: Any
     with pytest.raises(LinkError, match="nearer than 1 cm"):
         Border(made([[0.0, far], [10.0, far]], short))
     assert Border([[0.0, far], [10.0, far]]).count == 2
+
+
+@pytest.mark.parametrize("made", [np.asarray, list, lambda column: np.array(list(column), object)])
+def test_lengths_of_short_floats_that_lie_far_apart_there(made: Any, rig: Rig) -> None:
+    """As to the door, of a candidate, a set and the car itself; what is no length is taken."""
+    north = 5334572.0
+    given, short = cycle(3), lambda column: made((np.asarray(column, float) + north).astype(np.float32))
+    with pytest.raises(LinkError, match=r"`driving\.y` is of short floats"):
+        rig.step(3, replace(given, driving={**given.driving, "y": short(given.driving["y"])}))
+    for name, said in (
+        ("objects", {**given.signals["objects"], "x": short(given.signals["objects"]["x"])}),
+        ("ego", {**given.signals["ego"], "x": np.float32(north)}),
+    ):
+        with pytest.raises(LinkError, match=rf"`signals\.{name}\.x` is of short floats"):
+            rig.step(3, replace(given, signals={**given.signals, name: said}))
+    slow = {name: made(np.asarray(column, np.float32)) for name, column in given.driving.items()}
+    assert rig.step(4, replace(cycle(3), driving=slow))["about_sequence"] > 0
 
 
 @pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])

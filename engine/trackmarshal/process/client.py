@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number
+from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number, rounded
 
 
 class Channel(Protocol):
@@ -49,21 +49,13 @@ class Border:
         others = [one for one in flat if type(one) not in PLAIN]
         if not all(map(is_number, others)):
             raise LinkError("points are pairs [x, y] of numbers")
-        if any(map(_rounded, others)):
+        if any(map(rounded, others)):
             raise LinkError(
                 "short floats have no two numbers nearer than 1 cm where the points are: give them as float64"
             )
         self.points = array("d", flat)
         self.count = len(flat) // 2
         self.number = next(self._numbers)
-
-
-def _rounded(one: Any) -> bool:
-    """Whether a coordinate, m, is of floats of less than 64 bits that lie more than 1 cm apart there: the door of a Supervisor refuses such borders."""
-    dtype = getattr(one, "dtype", None)
-    if dtype is None or dtype.kind != "f" or dtype.itemsize >= 8:
-        return False
-    return bool(dtype.type(float(one) + 0.005) == one)
 
 
 class _Group:

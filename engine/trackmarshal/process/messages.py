@@ -33,7 +33,8 @@ class LinkError(Exception):
 class Entry(NamedTuple):
     """An entry of a message: its place in bytes, its type, `room` for so many values; array: whether it is one.
 
-    default: what is put in for a field that is left out; None: nothing is. members: names of which the values are the places.
+    default: what is put in for a field that is left out; None: nothing is. members: names of which the values are the places. unit: in SI, of
+    numbers of a spec.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Entry(NamedTuple):
     array: bool
     default: float | None
     members: tuple[str, ...] = ()
+    unit: str = ""
 
     def places(self, value: Any) -> Any:
         """A value, or a column, with the places of members in place of their names; raises LinkError for a name of none."""
@@ -99,6 +101,7 @@ class Kind:
                 e["array"],
                 _default(e.get("default")),
                 tuple(e.get("members", ())),
+                e.get("unit", ""),
             )
             for e in said["entries"]
         )
@@ -115,9 +118,11 @@ class Kind:
         if not entry.array:
             if entry.type == "f64" and not is_number(value):
                 raise LinkError(f"`{entry.name}` is no number: {str(value)[:40]!r}")
+            _refuse_rounded([value], entry)
             struct.pack_into("<" + entry.format, into, entry.offset, value)
             return
         value = _unmasked(value, entry)
+        _refuse_rounded(value, entry)
         try:
             data = memoryview(value)
             same = data.format == entry.format and data.contiguous and data.ndim == 1
@@ -155,6 +160,28 @@ def is_number(value: Any) -> bool:
     return (
         isinstance(value, Real) and not isinstance(value, bool) if kind is None else kind in ("i", "u", "f")
     )
+
+
+def rounded(one: Any) -> bool:
+    """Whether a length, m, is of floats of less than 64 bits that lie more than 1 cm apart there: the door of a Supervisor refuses these."""
+    dtype = getattr(one, "dtype", None)
+    if dtype is None or dtype.kind != "f" or dtype.itemsize >= 8:
+        return False
+    return bool(dtype.type(float(one) + 0.005) == one) and math.isfinite(one)
+
+
+def _refuse_rounded(value: Any, entry: Entry) -> None:
+    """Raise LinkError for lengths that short floats have rounded."""
+    if entry.unit != "m" or type(value) is array or getattr(value, "dtype", None) == "f8":
+        return
+    try:
+        lost = any(map(rounded, value))
+    except (TypeError, ValueError):  # no column, which is said next
+        return
+    if lost:
+        raise LinkError(
+            f"`{entry.name}` is of short floats, which have no two numbers nearer than 1 cm there: give it as float64"
+        )
 
 
 def _listed(value: Any, entry: Entry) -> list[Any]:

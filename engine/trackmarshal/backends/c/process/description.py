@@ -94,7 +94,7 @@ def _message(message: Message) -> dict[str, Any]:
         {
             "name": item.key, "offset": item.offset, "type": item.type, "count": item.count, "array": not item.scalar,
             "about": item.about, **({} if item.default is None else {"default": _number(item.default)}),
-            **({"members": [*item.members]} if item.members else {}),
+            **({"members": [*item.members]} if item.members else {}), **({"unit": item.unit} if item.unit else {}),
         }
         for item in message.items
     ]  # fmt: skip

@@ -19,6 +19,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.contract import RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.decision import MOST_REASONS
+from trackmarshal.units import parse_unit, show
 
 #: "TMSV" as it stands in memory, and the version of what is common to the messages of all specs.
 MAGIC, VERSION = 0x5653_4D54, 1
@@ -52,7 +53,7 @@ class Item:
 
     group: what it belongs to (`driving`, `signals.ego`), empty for the message itself. own: whether it is ours and not a field of the
     spec. c_group, c_name: its C names. scalar: one value, no array. default: in SI, what a client puts in for a field that is left out.
-    members: of an enumeration, whose places the values are.
+    members: of an enumeration, whose places the values are. unit: in SI, of numbers of a spec.
     """
 
     group: str
@@ -67,6 +68,7 @@ class Item:
     offset: int = 0
     default: float | None = None
     members: tuple[str, ...] = ()
+    unit: str = ""
 
     @property
     def key(self) -> str:
@@ -344,6 +346,7 @@ def _columns(
                 0,
                 field.default,
                 field.members,
+                show(parse_unit(info.unit)[2]) if kind == "f64" and not field.members else "",
             )
 
 
