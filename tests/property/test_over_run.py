@@ -7,6 +7,7 @@ import os
 from itertools import pairwise
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -148,3 +149,19 @@ def test_counts_with_gaps_are_those_of_every_way_to_fill_them(
         assert result.verdict == wanted, (number, cycles)
         known = True
     assert known or all(one is None for one in cycles)
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+def test_what_may_turn_out_not_to_apply_is_open(backend: str) -> None:
+    """A rule that holds counts as one that was asked for only once it is known that it is: else a run in which it never applied is evidence for it."""
+    evaluator = Evaluator(loads(rule("whenever weak next flag\n  require ego.v >= 0 m/s")), backend=backend)
+    run, heard = evaluator.over_run(), []
+    for cycle, flag in enumerate((True, False, True)):
+        signals = {"ego": {"v": 5.0, "w": 0.0}, "objects": [], "flag": flag}
+        result = run.step(evaluator.read({"t": 0.1 * cycle, "id": cycle, "signals": signals})).rules["f"]
+        heard.append((result.verdict, [(one.cycle, one.verdict, one.final) for one in result.about]))
+    assert heard == [
+        ("open", [(0, "open", False)]),
+        ("open", [(1, "open", False), (0, "inactive", True)]),
+        ("open", [(2, "open", False), (1, "satisfied", True)]),
+    ]
