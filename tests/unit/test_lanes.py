@@ -240,6 +240,10 @@ def test_across_a_lane() -> None:
         ([replace(CAR, v=math.nan)], "vehicle 1 has a v of nan"),
         ([replace(CAR, width=0.0)], "vehicle 1 has a width of 0.0"),
         ([CAR, replace(CAR, number=2, y=30.0)], "vehicle 2 touches no lanelet"),
+        (
+            [CAR, replace(CAR, number=2, y=np.float32(5.3e6))],
+            "vehicle 2: float32 has no two numbers nearer than 0.5 m",
+        ),
     ],
 )
 def test_vehicles_that_are_refused(vehicles: list[Vehicle], said: str) -> None:

@@ -15,6 +15,7 @@ from trackmarshal.lanes import box
 from trackmarshal.lanes.curve import distances
 from trackmarshal.lanes.lanelet import MOST, Lanelet
 from trackmarshal.lanes.network import Lane, Network
+from trackmarshal.runtime.door import values
 
 Array = NDArray[np.float64]
 Row = dict[str, Any]
@@ -151,6 +152,10 @@ def _check(network: Network, ego: int, vehicles: Sequence[Vehicle], own: Mapping
                 raise TrackmarshalError(
                     "D187", f"vehicle {number} has a {name} of {value}", file=where, help="pose, speed and acceleration are finite, sizes greater than zero"
                 )  # fmt: skip
+        if lost := values.rounded([vehicle.x, vehicle.y, vehicle.length, vehicle.width]):
+            raise TrackmarshalError(
+                "D187", f"vehicle {number}: {lost}", file=where, help="give its numbers as float64"
+            )
     if ego not in known:
         raise TrackmarshalError(
             "D187",
