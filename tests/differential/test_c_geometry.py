@@ -17,7 +17,7 @@ from support.length import amount
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import Evaluator, load, loads
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
@@ -258,3 +258,28 @@ def test_many_tracks(folder: Path) -> None:
     seen: Counter[str] = Counter()
     found = [text for seed in range(1000, 2500) for text in compare(seed, folder, seen)]
     assert not found
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_borders_that_touch_at_the_edge_of_all_that_there_is(quarters: int) -> None:
+    """A vertex of one on the middle of the other, straight along an axis, as no random track has it: no program has a corridor of them."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m, heading: rad }\nsignal track : corridor { left: polyline, right: polyline }\n"
+        'rule f "x"\n  require footprint(ego, 1 m, 1 m) inside track\n'
+    )
+
+    def turned(*points: tuple[float, float]) -> Points:
+        turn = 1j**quarters
+        return [[(complex(*point) * turn).real, (complex(*point) * turn).imag] for point in points]
+
+    programs = [Evaluator(spec, None, backend) for backend in ("reference", "numpy", "c")]
+    ((x, y),) = turned((5.0, 0.0))
+    for left, right, verdict in (
+        (turned((0, 6), (100, 6)), turned((0, -6), (50, -6), (100, -6)), "satisfied"),
+        (turned((0, 6), (100, 6)), turned((0, -6), (50, 6), (100, -6)), "undefined"),
+        (turned((0, 6), (50, -6), (100, 6)), turned((0, -6), (100, -6)), "undefined"),
+    ):
+        for one, other in ((left, right), (right[::-1], left[::-1])):
+            given = {"ego": {"x": x, "y": y, "heading": 0.0}, "track": {"left": one, "right": other}}
+            said = [program.case({"signals": given}).rules["f"].verdict for program in programs]
+            assert said == [verdict] * 3
