@@ -131,17 +131,24 @@ def test_what_may_differ_is_listed(source: Source) -> None:
 
 
 def test_a_contracted_program_would_be_found_out(folder: Path, source: Source) -> None:
-    """With fused multiplication and addition, which the processor has, margins differ that may not. The source forbids it, whatever flags say."""
+    """With fused multiplication and addition, which the processor has, margins differ that may not. The source forbids it, whatever flags say, and
+    a program in which they are fused all the same tries that out, and does not begin."""
     cycles = folder / "overreach.cycles"
     here = embedded.run(folder / "example", cycles)
     text = (folder / "supervisor.c").read_text()
-    forbidden = '#pragma GCC optimize("fp-contract=off")'
+    forbidden, tried = '#pragma GCC optimize("fp-contract=off")', "- square) == 0.0"
     assert forbidden in text
-    (folder / "fused.c").write_text(text.replace(forbidden, ""))
-    for name, differ in (("supervisor", False), ("fused", True)):
+    assert tried in text
+    fused = text.replace(forbidden, "")
+    (folder / "fused.c").write_text(fused)
+    (folder / "untried.c").write_text(fused.replace(tried, "- square) <= 1.0"))
+    for name, differ in (("supervisor", False), ("untried", True)):
         image = embedded.cross_build(folder, name, ("-ffp-contract=fast",), f"contracted-{name}")
         found = {d.rule for d in embedded.differences(here, embedded.emulate(image, cycles), names(source))}
         assert bool(found - inexact(source).keys()) == differ
+    image = embedded.cross_build(folder, "fused", ("-ffp-contract=fast",), "contracted-fused")
+    with pytest.raises(AssertionError, match="the compiler's flags make other arithmetic"):
+        embedded.emulate(image, cycles)
 
 
 def test_figures(
