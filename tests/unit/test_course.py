@@ -15,6 +15,9 @@ from trackmarshal.backends.c.build import compiler
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.verdict import VERDICTS
+from trackmarshal.scenarios import load
+from trackmarshal.scenarios.supervised import supervised
 from trackmarshal.supervision import supervisor
 from trackmarshal.testing.cases import prepare
 from trackmarshal.testing.run import run_tests
@@ -224,9 +227,8 @@ test calm "longer ago"
     assert [(o.outcome, o.message) for o in run_tests(compiled.spec, tests)] == [("passed", "")] * 2
 
 
-def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("m.spec").write_text(SPEC)
+def _recorded() -> None:
+    """Four cycles in `made.tmrec.jsonl`, the first one at 22 m/s."""
     lines: list[dict[str, Any]] = [
         {"format": "trackmarshal-recording", "version": 1, "name": "made",
          "track": {"left": [[-99, 5], [999, 5]], "right": [[-99, -5], [999, -5]]}}
@@ -241,6 +243,12 @@ def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.Monk
             }
         )  # fmt: skip
     Path("made.tmrec.jsonl").write_text("\n".join(map(json.dumps, lines)) + "\n")
+
+
+def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("m.spec").write_text(SPEC)
+    _recorded()
     status, out, err = run_command(
         "explain",
         "made.tmrec.jsonl",
@@ -257,6 +265,18 @@ def test_explain_names_samples_from_now(tmp_path: Path, monkeypatch: pytest.Monk
     assert "violated, margin -2 m/s" in out
     assert "decided at c = -3" in out
     assert "driven[-3].v = 22" in out
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy"])
+def test_a_replay_knows_what_was_driven(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str
+) -> None:
+    """What is evaluated ahead for many cycles at once is without the course, which takes a decision after the other: 22 m/s stay within the second."""
+    monkeypatch.chdir(tmp_path)
+    _recorded()
+    evaluator = Evaluator(loads(SPEC), backend=backend)
+    rated = [judged.rated["driving"] for _, judged, _ in supervised(load("made.tmrec.jsonl"), evaluator, {})]
+    assert [(VERDICTS[one.verdicts[0]], one.margins[0]) for one in rated] == [("violated", -2.0)] * 4
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
