@@ -6,6 +6,7 @@ Two things hold everywhere: what was decided before is never taken for fresh, an
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 import resource
@@ -605,6 +606,54 @@ def test_a_border_of_short_floats_that_lie_far_apart_there(made: Any, short: Any
     with pytest.raises(LinkError, match="nearer than 1 cm"):
         Border(made([[0.0, far], [10.0, far]], short))
     assert Border([[0.0, far], [10.0, far]]).count == 2
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        lambda row: array("f", row),
+        lambda row: (ctypes.c_float * 2)(*row),
+        lambda row: memoryview(np.float32(row)),
+    ],
+)
+def test_a_border_of_rows_that_hold_short_floats(row: Any) -> None:
+    """What a buffer hands out is a double already; what it holds was rounded before."""
+    far = 5334572.0
+    assert Border([row([0.0, 100.0]), row([10.0, 100.0])]).count == 2
+    with pytest.raises(LinkError, match="nearer than 1 cm"):
+        Border([row([0.0, far]), row([10.0, far])])
+
+
+#: Holders of short floats of which each number, by itself, no longer says so, or which have more to them than numbers.
+HOLDERS = (
+    np.asarray,
+    list,
+    lambda column: np.array(list(column), object),
+    lambda column: np.ma.array(column, mask=np.zeros(len(column))),
+    lambda column: array("f", column.tolist()),
+    memoryview,
+    lambda column: (ctypes.c_float * len(column))(*column.tolist()),
+)
+
+
+@pytest.mark.parametrize("made", HOLDERS)
+@pytest.mark.parametrize("north", [5334572.0, -131072.0])
+def test_a_column_of_short_floats_whatever_holds_it(made: Any, north: float) -> None:
+    kinds = built().layout.kinds.values()
+    kind = next(kind for kind in kinds if any(one.unit == "m" and one.array for one in kind.entries.values()))
+    entry = next(one for one in kind.entries.values() if one.unit == "m" and one.array)
+    into = bytearray(kind.length)
+    kind.put(into, entry.name, made(np.full(3, 1.5, np.float32)))
+    with pytest.raises(LinkError, match="is of short floats"):
+        kind.put(into, entry.name, made(np.full(3, north, np.float32)))
+
+
+@pytest.mark.parametrize("made", [iter, lambda column: 5.0, lambda column: np.array(5.0)])
+def test_what_is_no_column(made: Any, rig: Rig) -> None:
+    """A generator is empty once somebody has counted it."""
+    given = cycle(3)
+    with pytest.raises(LinkError, match=r"`driving\.v` is no column of numbers"):
+        rig.step(3, replace(given, driving={**given.driving, "v": made(given.driving["v"])}))
 
 
 @pytest.mark.parametrize("made", [np.asarray, list, lambda column: np.array(list(column), object)])

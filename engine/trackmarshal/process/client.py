@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
-from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number, rounded
+from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number, length_of, rounded
 
 
 class Channel(Protocol):
@@ -43,13 +43,14 @@ class Border:
 
     def __init__(self, points: Any) -> None:
         try:
-            flat = [one for x, y in points for one in (x, y)]
-        except (TypeError, ValueError) as error:
+            rows = list(points)
+            flat = [one for x, y in rows for one in (x, y)]
+        except (TypeError, ValueError, NotImplementedError) as error:
             raise LinkError("points are pairs [x, y]") from error
         others = [one for one in flat if type(one) not in PLAIN]
         if not all(map(is_number, others)):
             raise LinkError("points are pairs [x, y] of numbers")
-        if any(map(rounded, others)):
+        if rounded(others) or any(rounded(row) for row in rows if type(row) not in (list, tuple)):
             raise LinkError(
                 "short floats have no two numbers nearer than 1 cm where the points are: give them as float64"
             )
@@ -74,8 +75,8 @@ class _Group:
 
     def length(self, value: Mapping[str, Any]) -> int:
         """Of the columns that are there."""
-        given = (value.get(field) for field, _ in self.columns)
-        return max((len(one) for one in given if one is not None), default=0)
+        given = ((value.get(field), entry) for field, entry in self.columns)
+        return max((length_of(one, entry) for one, entry in given if one is not None), default=0)
 
 
 def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
@@ -227,7 +228,7 @@ class Client:
                     kind.set(message, entry, -1 if entry.type == "i8" else float("nan"))
                 continue
             if not known.record:
-                if count and len(column) != count:
+                if count not in (0, length_of(column, entry)):
                     raise LinkError(f"the columns of `{group}` have different lengths")
                 count = len(column)
             kind.set(message, entry, entry.places(column))

@@ -121,8 +121,9 @@ class Kind:
             _refuse_rounded([value], entry)
             struct.pack_into("<" + entry.format, into, entry.offset, value)
             return
+        length_of(value, entry)
+        _refuse_rounded(value, entry)  # while it says what it is of: what is masked becomes a list next
         value = _unmasked(value, entry)
-        _refuse_rounded(value, entry)
         try:
             data = memoryview(value)
             same = data.format == entry.format and data.contiguous and data.ndim == 1
@@ -155,33 +156,66 @@ def _unmasked(value: Any, entry: Entry) -> Any:
 
 
 def is_number(value: Any) -> bool:
-    """Whether something is a number to the Supervisor's own door: no Boolean, no text, nothing complex, and no time, of which numpy makes a whole one."""
+    """Whether something is a number to the Supervisor's own door: no Boolean, no text, nothing complex, no time, of which numpy makes a whole one, and no
+    array with axes."""
     kind = getattr(getattr(value, "dtype", None), "kind", None)
-    return (
-        isinstance(value, Real) and not isinstance(value, bool) if kind is None else kind in ("i", "u", "f")
-    )
+    if kind is None:
+        return isinstance(value, Real) and not isinstance(value, bool)
+    return kind in ("i", "u", "f") and getattr(value, "ndim", 0) == 0
 
 
-def rounded(one: Any) -> bool:
-    """Whether a length, m, is of floats of less than 64 bits that lie more than 1 cm apart there: the door of a Supervisor refuses these."""
-    dtype = getattr(one, "dtype", None)
-    if dtype is None or dtype.kind != "f" or dtype.itemsize >= 8:
+def _short(held: Any) -> str:
+    """What `struct` calls the floats of less than 64 bits that a number or an array of numpy, or a buffer, is of; empty where it is of none."""
+    dtype = getattr(held, "dtype", None)
+    if dtype is not None:
+        return {4: "f", 2: "e"}.get(dtype.itemsize, "") if dtype.kind == "f" else ""
+    try:
+        code = memoryview(held).format[-1:]
+    except (TypeError, ValueError):
+        return ""
+    return code if code in ("f", "e") else ""
+
+
+def rounded(column: Any) -> bool:
+    """Whether any of some lengths, m, is of floats of less than 64 bits that lie more than 1 cm apart there, whatever holds them: the door of a Supervisor
+    refuses these. Raises TypeError or ValueError for what is no column."""
+    if getattr(column, "dtype", None) == "f8" or (type(column) is array and column.typecode == "d"):
         return False
-    return bool(dtype.type(float(one) + 0.005) == one) and math.isfinite(one)
+    # What an array holds says by itself what it is of, below a mask, too; what a buffer holds has become a double.
+    of = "" if hasattr(column, "dtype") else _short(column)
+    return any(_lost(one, of or _short(one)) for one in column)
+
+
+def _lost(one: Any, code: str) -> bool:
+    if not code or not math.isfinite(one):
+        return False
+    size = abs(float(one))
+    try:
+        return bool(struct.unpack(code, struct.pack(code, size + 0.005))[0] == size)
+    except OverflowError:  # it is next to the largest there is
+        return True
 
 
 def _refuse_rounded(value: Any, entry: Entry) -> None:
     """Raise LinkError for lengths that short floats have rounded."""
-    if entry.unit != "m" or type(value) is array or getattr(value, "dtype", None) == "f8":
+    if entry.unit != "m":
         return
     try:
-        lost = any(map(rounded, value))
+        lost = rounded(value)
     except (TypeError, ValueError):  # no column, which is said next
         return
     if lost:
         raise LinkError(
             f"`{entry.name}` is of short floats, which have no two numbers nearer than 1 cm there: give it as float64"
         )
+
+
+def length_of(column: Any, entry: Entry) -> int:
+    """Of a column; raises LinkError for what has none, such as one number, or a generator, which is empty once it was looked at."""
+    try:
+        return len(column)
+    except TypeError as error:
+        raise LinkError(f"`{entry.name}` is no column of numbers") from error
 
 
 def _listed(value: Any, entry: Entry) -> list[Any]:
