@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import os
 import sysconfig
-from collections.abc import Callable, Generator
+import threading
+from collections.abc import Callable, Generator, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import wraps
 from inspect import isawaitable, iscoroutinefunction, isgenerator
@@ -19,8 +21,6 @@ from unittest import TestCase
 import pytest
 
 VERIFIES = "verifies"
-#: What fails in a thread has failed: pytest itself passes such a test, with a warning.
-_OF_THREADS = pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 #: Whether a test failed so far, and what its property says of it.
 _FAILED = pytest.StashKey[bool]()
 _SAID = pytest.StashKey[str]()
@@ -63,8 +63,6 @@ def pytest_make_collect_report(
         if isinstance(item, pytest.Item):
             ids, said = _verified(item)
             item.user_properties += [(VERIFIES, id_) for id_ in ids]
-            if ids:
-                item.add_marker(_OF_THREADS)
             wrong |= dict.fromkeys(said)
     if wrong:
         report.outcome = "failed"
@@ -99,6 +97,40 @@ def pytest_runtest_makereport(
     return report
 
 
+@contextmanager
+def _threads_hold(item: pytest.Item) -> Iterator[None]:
+    """What fails in a thread meanwhile fails a test that is to verify something: pytest passes it with a warning, which a filter may ignore."""
+    if not _names(item):
+        yield
+        return
+    before, failed = threading.excepthook, list[str]()
+
+    def noted(args: threading.ExceptHookArgs) -> None:
+        failed.append(f"{args.exc_type.__name__}: {args.exc_value}")
+        before(args)
+
+    threading.excepthook = noted
+    try:
+        yield
+    finally:
+        threading.excepthook = before
+    if failed:
+        said = f"this test is to verify a requirement, and a thread failed in it: {failed[0]}"
+        pytest.fail(said, pytrace=False)
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_setup(item: pytest.Item) -> Generator[None]:
+    with _threads_hold(item):
+        return (yield)
+
+
+@pytest.hookimpl(wrapper=True, trylast=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Generator[None]:
+    with _threads_hold(item):
+        return (yield)
+
+
 @pytest.hookimpl(wrapper=True, trylast=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, object]:
     """A function that returns something has failed: what was to be asserted is handed to pytest, which passes it with a warning."""
@@ -116,22 +148,24 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, o
 
 @pytest.hookimpl(wrapper=True, trylast=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None]:
-    """So has a method of a `unittest.TestCase` that does, and one that is a coroutine of which the class knows nothing: its body never began."""
+    """So has what a thread fails, a method of a `unittest.TestCase` that returns something, and one that is a coroutine of which the class knows nothing:
+    its body never began."""
     case = getattr(item, "instance", None)
-    # Another `run`, as that of Twisted's trial, makes of what it is given what it likes.
-    if not (
-        isinstance(case, TestCase) and _names(item) and type(case).run.__module__.startswith("unittest.")
-    ):
-        return (yield)
-    assert isinstance(item, pytest.Function)
-    called, said = item.obj, _Said()
-    item.obj = said.of(called)
-    setattr(case, item.name, item.obj)  # where a method is a coroutine, pytest leaves it to the class
-    try:
-        yield
-    finally:
-        item.obj = called
-    said.hold()
+    with _threads_hold(item):
+        # Another `run`, as that of Twisted's trial, makes of what it is given what it likes.
+        if not (
+            isinstance(case, TestCase) and _names(item) and type(case).run.__module__.startswith("unittest.")
+        ):
+            return (yield)
+        assert isinstance(item, pytest.Function)
+        called, said = item.obj, _Said()
+        item.obj = said.of(called)
+        setattr(case, item.name, item.obj)  # where a method is a coroutine, pytest leaves it to the class
+        try:
+            yield
+        finally:
+            item.obj = called
+        said.hold()
 
 
 class _Said:

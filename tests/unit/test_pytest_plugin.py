@@ -216,10 +216,28 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
 EMPTY = """
 import threading
 import unittest
+import warnings
 
 import pytest
 
-pytestmark = pytest.mark.verifies("S-1-B-1")
+pytestmark = [pytest.mark.verifies("S-1-B-1"), pytest.mark.filterwarnings("ignore")]
+
+
+def divides():
+    thread = threading.Thread(target=lambda: 1 / 0)
+    thread.start()
+    thread.join()
+
+
+@pytest.fixture
+def dividing():
+    divides()
+
+
+@pytest.fixture
+def dividing_at_last():
+    yield
+    divides()
 
 
 def test_returns():
@@ -227,9 +245,21 @@ def test_returns():
 
 
 def test_in_a_thread():
-    thread = threading.Thread(target=lambda: 1 / 0)
-    thread.start()
-    thread.join()
+    divides()
+
+
+def test_in_a_thread_that_is_caught():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        divides()
+
+
+def test_set_up_in_a_thread(dividing):
+    assert True
+
+
+def test_torn_down_in_a_thread(dividing_at_last):
+    assert True
 
 
 def test_says_so():
@@ -278,7 +308,8 @@ def test_what_never_asked_anything_has_failed(project: Path) -> None:
     assert done.returncode == 1, done.stdout + done.stderr
     tests = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
     came = {
-        "test_returns": "failed", "test_in_a_thread": "failed", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
+        "test_returns": "failed", "test_in_a_thread": "failed", "test_in_a_thread_that_is_caught": "failed",
+        "test_set_up_in_a_thread": "error", "test_torn_down_in_a_thread": "error", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
         "Door::test_locks": "skipped", "Gate::test_is_awaited": "passed", "Gate::test_fails": "failed", "Deferring::test_returns": "passed",
     }  # fmt: skip
     assert {test.name: test.outcome for test in tests} == came
