@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -201,6 +202,20 @@ def test_all_kinds_of_documents_together_have_no_findings(tmp_path: Path) -> Non
     assert set(NODES) - engine - {"method"} == set(matrix.graph.by_kind)
     for link in matrix.graph.links:
         assert link.state == "covers", link
+
+
+def test_whoever_strikes_all_persons_is_still_one_of_them(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    apply(small, (HERE / "all_kinds.edits").read_text("utf-8").splitlines())
+    small.accept()
+    for file in sorted((small.root / "requirements").glob("*.yaml")):
+        text = file.read_text("utf-8")
+        file.write_text(re.sub(r"(?m)^persons:\n(?:[ -].*\n)+", "", text), "utf-8")
+    with pytest.raises(TrackmarshalError, match="is none of the persons") as refused:
+        small.accept(by="Nobody Else")
+    assert refused.value.code == "T153"
+    assert "`the safety manager`" in (refused.value.help or "")
+    small.accept(by="the safety manager")
 
 
 #: ISO 26262-3, table 4, as it is printed: by severity and exposure, for C1, C2, C3.

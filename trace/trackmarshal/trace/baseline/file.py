@@ -81,12 +81,13 @@ def accept(
             "T378", f"less is demanded or shown than was accepted: {weaker[0]}{more}",
             help='say who accepts that, and why: `--by "NAME" --reason "..."`',
         )  # fmt: skip
-    persons = [entry for entry in project.entries if entry.kind == "person"]
-    named = {str(said) for entry in persons for said in (entry.id, entry.title)}
-    if weaker and persons and by.strip() not in named:
+    # Those of before, too: whoever strikes all persons is not free to be nobody.
+    known = [*now.items(), *({} if before is None else before.content).items()]
+    persons = {key.removeprefix("person "): said["title"] for key, said in known if key.startswith("person ")}
+    if weaker and persons and by.strip() not in {*persons, *persons.values()}:
         raise TrackmarshalError(
             "T153", f"less is demanded or shown than was accepted, and `{by.strip()}`, who is to accept it, is none of the persons of the project",
-            help=f"`--by` one of {', '.join(f'`{entry.title}`' for entry in persons)}, or add who does to `persons`",
+            help=f"`--by` one of {', '.join(f'`{title}`' for title in dict.fromkeys(persons.values()))}, or add who does to `persons`",
         )  # fmt: skip
     done = () if before is None else before.acceptances
     if before is not None and before.content == now and done[-1].engine == engine:
