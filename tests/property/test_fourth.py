@@ -93,7 +93,7 @@ def made_up(writer: Writer) -> tuple[list[dict[str, Any] | None], list[dict[str,
         if dice.random() < 0.15 and meant:
             cycles.append(None)
             missed += 1
-            t += dice.choice([0.125, 0.25])
+            t += dice.choice([0.1, 0.2])
             continue
         present ^= {name for name in (1, 2, 3) if dice.random() < 0.25}
         ids = sorted(present)
@@ -102,7 +102,7 @@ def made_up(writer: Writer) -> tuple[list[dict[str, Any] | None], list[dict[str,
         cycles.append({"t": t, "id": len(cycles), "signals": given})
         meant.append({**its, "stamp": round(t * 1e9), "missed": missed})
         missed = 0
-        t += dice.choice([0.125, 0.125, 0.25, 0.5])
+        t += dice.choice([0.1, 0.1, 0.2, 0.5])
     return cycles, meant
 
 

@@ -43,12 +43,16 @@ class Case:
 
 @st.composite
 def times(draw: st.DrawFn) -> list[float]:
-    """Equidistant times (exact and rounded ones), multiples of a quarter, or anything that increases."""
+    """Equidistant times (exact and rounded ones), multiples of a quarter, some at one time, or anything that increases."""
     n = draw(st.integers(0, 40))
-    kind = draw(st.sampled_from(["product", "sum", "quarters", "any"]))
+    kind = draw(st.sampled_from(["product", "sum", "quarters", "coarse", "any"]))
     if kind == "any":
         value = st.floats(-1e6, 1e6)
         return sorted(draw(st.lists(value, min_size=n, max_size=n, unique=True)))
+    if kind == "coarse":  # several samples at one time, beside which small bounds are lost
+        return [
+            1e18 + 100.0 * one for one in sorted(draw(st.lists(st.integers(0, 9), min_size=n, max_size=n)))
+        ]
     if kind == "quarters":
         steps = draw(st.lists(st.integers(1, 12), min_size=n, max_size=n))
         return [0.25 * sum(steps[: k + 1]) for k in range(n)]

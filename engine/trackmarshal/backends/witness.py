@@ -217,13 +217,13 @@ class Descent:
 
     def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:
         begins, ends, low, high = measured(self._values.columns(node.axis), node.lower, node.upper)
-        t, k = begins, env[node.axis.level]
-        e = begins if ends is None else ends
+        t, k = begins.tolist(), env[node.axis.level]
+        e = t if ends is None else ends.tolist()
         if node.past:
             start = 0 if high is None else bisect_left(e, t[k] - high)
-            return range(start, k + 1 if low is None else bisect_right(t, t[k] - low))
+            return range(start, k + 1 if not low else bisect_right(t, t[k] - low))
         stop = len(t) if high is None else bisect_right(t, t[k] + high)
-        return range(k if low is None else bisect_left(e, t[k] + low), stop)
+        return range(k if not low else bisect_left(e, t[k] + low), stop)
 
     def _until(self, node: ir.Until, env: Env) -> tuple[ir.Formula, Env] | None:
         """At the sample of the window that decides, the right side or, where it was not held until then, the left one."""

@@ -1,29 +1,37 @@
-"""Times of a timeline's samples, and windows of temporal operators, in one unit."""
+"""Times of a timeline's samples, and windows of temporal operators: whole nanoseconds, as over the run, so that 0.7 s and 0.1 s are 0.8 s."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.runtime.frame import Columns
 
+Floats: TypeAlias = NDArray[np.float64]
+#: s; times farther away stand there, so that each is finite in nanoseconds, too.
+_FARTHEST = 1e299
+
 
 class Measured(NamedTuple):
-    """When samples begin and end, and the bounds of a window. ends: None where each sample is a moment."""
+    """When samples begin and end, and the bounds of a window, in whole nanoseconds: (count,) float64, never decreasing. ends: None where each is a moment."""
 
-    begins: Sequence[float]
-    ends: Sequence[float] | None
+    begins: Floats
+    ends: Floats | None
     lower: float | None
     upper: float | None
 
 
 def measured(columns: Columns, lower: float | None, upper: float | None) -> Measured:
-    """Seconds along what is given; whole nanoseconds along a course, which joins stamps of a run."""
-    if columns.joined is None:
-        return Measured(columns.listed("t"), None, lower, upper)
-    begin, end = columns.joined.begin.tolist(), columns.joined.end.tolist()
-    return Measured(begin, end, _bound(lower), _bound(upper))
+    """Of a timeline, and a window of it, s. Samples within a nanosecond of each other are at one time."""
+    joined = columns.joined
+    if joined is None:
+        begins, ends = np.rint(np.clip(columns.column("t"), -_FARTHEST, _FARTHEST) * 1e9), None
+    else:
+        begins, ends = joined.begin, joined.end
+    return Measured(begins, ends, _bound(lower), _bound(upper))
 
 
 def _bound(seconds: float | None) -> float | None:

@@ -402,8 +402,8 @@ class Writer:
     def _time(self) -> tuple[str, float]:
         tenths = self.dice.randint(0, 12)
         if self.dice.random() < 0.5:
-            return f"{tenths * 125} ms", tenths * 125e6
-        return f"{tenths * 0.125!r} s", tenths * 125e6
+            return f"{tenths * 100} ms", tenths * 100e6
+        return f"{tenths / 10!r} s", tenths * 100e6
 
     def _window(self, bounded: bool) -> Window:
         if not bounded and self.dice.random() < 0.3:
@@ -505,7 +505,7 @@ class Writer:
         t, times = 0.0, []
         for _ in samples:
             times.append(t)
-            t += self.dice.choice([0.125, 0.25, 0.25, 0.5, 1.0])
+            t += self.dice.choice([0.1, 0.2, 0.2, 0.5, 1.0])
         columns = {c: [one[0][c] for one in samples] for c in samples[0][0]}
         given["plan"] = {"t": times, **columns}
         meant["plan"] = {j: {"t": at, **one[1]} for j, (at, one) in enumerate(zip(times, samples))}

@@ -112,6 +112,8 @@ class Writer:
         #: How many series of the context the function needs, before they share places.
         self.slots = 0
         self.series: dict[tuple[c.Scope, ir.Timed | ir.Tallied], list[c.Expr]] = {}
+        #: The series with the times of each timeline, in whole nanoseconds.
+        self.times: dict[str, c.Expr] = {}
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, c.Expr] = {}
         #: Functions of libm that the function calls.

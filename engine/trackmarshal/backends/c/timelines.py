@@ -40,7 +40,11 @@ def operands_of(node: Passed) -> list[ir.Formula]:
 
 
 def _place(self: Writer, slot: c.Expr) -> c.Expr:
-    return c.Address(c.Element(c.Member(self.name("context"), "series", True), slot))
+    return c.Address(_series(self, slot))
+
+
+def _series(self: Writer, slot: c.Expr) -> c.Expr:
+    return c.Element(c.Member(self.name("context"), "series", True), slot)
 
 
 def _written(self: Writer, node: Passed, operands: list[ir.Formula], home: c.Scope) -> list[c.Expr]:
@@ -64,9 +68,9 @@ def _written(self: Writer, node: Passed, operands: list[ir.Formula], home: c.Sco
         if isinstance(node, ir.Tallied):
             # A count surely starts anew where it may: what is sure is what comes after that.
             own = [sources[0][side], *(source[sides - 1 - side] for source in sources[1:])]
-            call = _tally(self, node, own, target)
+            call = _tally(self, node, own, target, home)
         else:
-            call = _call(self, node, [s[side] for s in sources], target)
+            call = _call(self, node, [s[side] for s in sources], target, home)
         self.add(home, c.Evaluate(call))
     return result
 
@@ -76,7 +80,7 @@ def _slot(self: Writer) -> c.Expr:
     return c.Slot(self.slots)
 
 
-def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.Expr:
+def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr, home: c.Scope) -> c.Expr:
     """The pass over the timeline."""
     total, context = self.count(node.axis), self.name("context")
     match node:
@@ -87,15 +91,8 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.
                 raise self.refuse(
                     node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold"
                 )
-            course = node.axis.signal in self.plan.courses
-            ends = (_bound(end) if course else end for end in (lower, upper))
-            window = (
-                context,
-                *_times(self, node.axis),
-                total,
-                *(c.Literal(literal(end)) for end in ends),
-                truth(node.past),
-            )
+            ends = (c.Literal(literal(_bound(end))) for end in (lower, upper))
+            window = (context, *_times(self, node.axis, home), total, *ends, truth(node.past))
             if isinstance(node, ir.Until):
                 return self.call("tm_held", *window, *own, target)
             return self.call("tm_extreme", *window, truth(node.extreme is Extreme.LEAST), *own, target)
@@ -105,7 +102,7 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr) -> c.
             assert_never(node)
 
 
-def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr) -> c.Expr:
+def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr, home: c.Scope) -> c.Expr:
     """The pass over the timeline that counts."""
     course = node.axis.signal in self.plan.courses
     total, context = self.count(node.axis), self.name("context")
@@ -113,16 +110,21 @@ def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr) ->
     if node.reset is not None:
         return self.call("tm_tally_anew", context, missing, total, *own, target)
     upper = math.inf if node.upper is None else node.upper
-    times = _times(self, node.axis)
-    back = c.Literal(literal(_bound(upper) if course else upper))
+    times, back = _times(self, node.axis, home), c.Literal(literal(_bound(upper)))
     return self.call("tm_tally_last", context, *times, missing, total, back, *own, target)
 
 
-def _times(self: Writer, axis: ir.Axis) -> tuple[c.Expr, c.Expr]:
-    """When samples begin and end: those of a course may be gaps, those of a timeline end where they begin."""
+def _times(self: Writer, axis: ir.Axis, scope: c.Scope) -> tuple[c.Expr, c.Expr]:
+    """When samples begin and end, in whole nanoseconds: those of a course may be gaps, those of a timeline end where they begin."""
     if axis.signal in self.plan.courses:
         return _of_course(self, axis, "begin"), _of_course(self, axis, "end")
-    times = self.field(axis.signal, "t")
+    slot = self.times.get(axis.signal)
+    if slot is None:
+        slot = self.times[axis.signal] = _slot(self)
+        root = self.home(frozenset(), scope)
+        seconds = self.field(axis.signal, "t")
+        self.add(root, c.Evaluate(self.call("tm_stamps", seconds, self.count(axis), _place(self, slot))))
+    times = c.Member(_series(self, slot), "margin", False)
     return times, times
 
 
@@ -131,7 +133,7 @@ def _of_course(self: Writer, axis: ir.Axis, member: str) -> c.Expr:
 
 
 def _bound(seconds: float) -> float:
-    """The bound of a window along a course, in whole nanoseconds."""
+    """The bound of a window, in whole nanoseconds."""
     return seconds if math.isinf(seconds) else float(nanoseconds(seconds))
 
 

@@ -60,8 +60,7 @@ def _starts(batch: Batch, node: ir.Tallied) -> Ints:
         # Where the structure of a signal is broken, its times have not been looked at; a rule that reads it has no verdict then.
         if case.unusable([(node.axis.signal, "")]) is None:
             begins, ends, _, upper = measured(columns, None, node.upper)
-            own, until = np.asarray(begins), None if ends is None else np.asarray(ends)
-            row[: columns.count] = temporal.windows(own, None, upper, True, until).start
+            row[: columns.count] = temporal.windows(begins, None, upper, True, ends).start
     return found
 
 

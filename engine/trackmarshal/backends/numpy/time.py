@@ -46,7 +46,7 @@ def _side(batch: Batch, node: ir.Timed, sides: list[Side], blocked: list[bool], 
             rows.append((np.full(unknown.shape, best), np.full(unknown.shape, np.inf if best else -np.inf)))
             continue
         cut = [(sat[index, ..., :n], margin[index, ..., :n]) for sat, margin in inputs]
-        rows.append(_kernel(batch, node, index, n, cut))
+        rows.append(_kernel(batch, node, index, cut))
     if batch.size == 1:
         sat, margin = rows[0][0][None], rows[0][1][None]
     else:
@@ -66,14 +66,14 @@ def _last(side: Side, shape: tuple[int, ...], axis: int) -> Pair:
     )
 
 
-def _kernel(batch: Batch, node: ir.Timed, index: int, n: int, sides: list[Pair]) -> Pair:
+def _kernel(batch: Batch, node: ir.Timed, index: int, sides: list[Pair]) -> Pair:
     match node:
         case ir.Temporal():
-            windows = _windows(batch, node, index, n)
+            windows = _windows(batch, node, index)
             kernel = temporal.always if node.extreme is Extreme.LEAST else temporal.eventually
             return kernel(*sides[0], windows)
         case ir.Until():
-            windows = _windows(batch, node, index, n)
+            windows = _windows(batch, node, index)
             held = temporal.since if node.past else temporal.until
             return held(*sides[0], *sides[1], windows)
         case ir.Shift():
@@ -96,11 +96,6 @@ def without_gaps(batch: Batch, axis: ir.Axis, operands: Sequence[Value]) -> list
     ]
 
 
-def _windows(batch: Batch, node: ir.Temporal | ir.Until, index: int, n: int) -> temporal.Windows:
-    columns = batch.own(node.axis.signal)[index]
-    if columns.joined is None:
-        return temporal.windows(
-            batch.table(node.axis.signal, "t")[index, :n], node.lower, node.upper, node.past
-        )
-    _, _, lower, upper = measured(columns, node.lower, node.upper)
-    return temporal.windows(columns.joined.begin, lower, upper, node.past, columns.joined.end)
+def _windows(batch: Batch, node: ir.Temporal | ir.Until, index: int) -> temporal.Windows:
+    begins, ends, lower, upper = measured(batch.own(node.axis.signal)[index], node.lower, node.upper)
+    return temporal.windows(begins, lower, upper, node.past, ends)

@@ -32,7 +32,7 @@ from trackmarshal.runtime.kleene import (
     scaled,
 )
 from trackmarshal.runtime.lines import Point
-from trackmarshal.runtime.timeline import measured
+from trackmarshal.runtime.timeline import Measured, measured
 from trackmarshal.runtime.verdict import Bound, Truth
 
 #: The index of the variable of each axis that is bound, by the axis's level.
@@ -423,12 +423,12 @@ class Reference:
         """From a sample backwards, up to the last one with which the count starts anew: that it surely does, or that it may."""
         axis, k = node.axis, env[node.axis.level]
         columns = self.frame.columns[axis.signal]
-        begins, ends, _, upper = measured(columns, None, node.upper)
+        window = measured(columns, None, node.upper)
         counted = self.along(node.counted, axis, env)
         resets = None if node.reset is None else self.along(node.reset, axis, env)
         sure = possible = 0
         surely_on = possibly_on = True
-        for j in reversed(temporal.windows(begins, None, upper, True, ends)[k]):
+        for j in reversed(_windows(window, True)[k]):
             sure += surely_on * counted[j].worst.sat
             possible += possibly_on * counted[j].best.sat * columns.weight(j)
             if resets is not None:
@@ -437,8 +437,8 @@ class Reference:
         return compared(node, Range(sure, possible), self.number(node.limit, env))
 
     def _windows(self, node: ir.Temporal | ir.Until) -> list[range]:
-        begin, end, lower, upper = measured(self.frame.columns[node.axis.signal], node.lower, node.upper)
-        return temporal.windows(begin, lower, upper, node.past, end)
+        columns = self.frame.columns[node.axis.signal]
+        return _windows(measured(columns, node.lower, node.upper), node.past)
 
     def recalled(self, node: ir.Formula, env: Env, kept: Mapping[ir.Kept, float]) -> Truth:
         """The value of a formula about numbers that state machines keep, with those given: what is found out with some is known for all elements."""
@@ -489,6 +489,11 @@ class ReferenceProgram(Stateless):
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
         made = [(frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
         return [Outcomes(rated(self.rules, frame, values), values) for frame, values in made]
+
+
+def _windows(measured: Measured, past: bool) -> list[range]:
+    begins, ends, lower, upper = measured
+    return temporal.windows(begins.tolist(), lower, upper, past, None if ends is None else ends.tolist())
 
 
 def _worst(values: list[Truth]) -> tuple[list[bool], list[float]]:

@@ -17,10 +17,10 @@ from trackmarshal.errors import TrackmarshalError
 #: Error codes of the temporal operators of all evaluators: code -> (title, explanation).
 CODES: dict[str, tuple[str, str]] = {
     "D181": (
-        "times of a timeline do not increase",
+        "times of a timeline step back",
         "Temporal operators find the samples of a window by their times, so the timeline of a rule needs a"
-        " time for every sample, finite, and later than the one before it. Two samples at one time, a step"
-        " back or a missing time leave open which samples a window holds; nothing is evaluated on such a"
+        " time for every sample, finite, and not before that of the one before it. A step"
+        " back or a missing time leaves open which samples a window holds; nothing is evaluated on such a"
         " timeline.",
     ),
     "D182": (
@@ -45,15 +45,15 @@ def windows(
 ) -> list[range]:
     """For every sample the samples its window holds: t[k] + lower <= t[j] <= t[k] + upper.
 
-    Past windows mirrored: t[k] - upper <= t[j] <= t[k] - lower. t: strictly increasing; ends: when samples end that are no moments but
+    Past windows mirrored: t[k] - upper <= t[j] <= t[k] - lower. t: never decreasing; ends: when samples end that are no moments but
     gaps, of which a part in the window is enough; lower, upper: in the same unit, None: from the sample itself, to the end (start) of the trace.
     Raises D181 on times and D182 on bounds that mean nothing.
     """
-    if not all(map(math.isfinite, t)) or not all(earlier < later for earlier, later in pairwise(t)):
-        raise TrackmarshalError("D181", "the times of a timeline are not finite and strictly increasing")
+    if not all(map(math.isfinite, t)) or not all(earlier <= later for earlier, later in pairwise(t)):
+        raise TrackmarshalError("D181", "the times of a timeline are not finite, or step back")
     a, b = 0.0 if lower is None else lower, math.inf if upper is None else upper
     if not 0.0 <= a <= b:
-        raise TrackmarshalError("D182", f"[{a:g} s, {b:g} s] is no window: 0 <= lower <= upper does not hold")
+        raise TrackmarshalError("D182", f"[{a:g}, {b:g}] is no window: 0 <= lower <= upper does not hold")
     e = t if ends is None else ends
     return [_past_window(t, e, k, a, b) if past else _future_window(t, e, k, a, b) for k in range(len(t))]
 

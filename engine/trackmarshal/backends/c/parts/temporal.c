@@ -8,6 +8,13 @@ static bool tm_times(const double *t, size_t n) {
   return true;
 }
 
+/** Times in whole nanoseconds, to the nearest; those so far away that they would be infinite stand where they are not. */
+static void tm_stamps(const double *t, size_t n, tm_series *into) {
+  for (size_t i = 0u; i < n; ++i) {
+    into->margin[i] = rint(tm_greatest(-1e299, tm_least(1e299, t[i])) * 1e9);
+  }
+}
+
 /** The time of a sample counted in an operator's direction; against the timeline, time runs negatively. */
 static double tm_time(const double *t, size_t n, bool past, size_t j) {
   return past ? -t[(n - 1u) - j] : t[j];

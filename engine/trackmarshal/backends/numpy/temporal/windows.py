@@ -83,7 +83,7 @@ def windows(
 ) -> Windows:
     """The windows of an operator with closed bounds [lower, upper] on the sample times t.
 
-    t: (n,) strictly increasing, s; lower, upper: s, 0 <= lower <= upper; None: from the sample itself, to the
+    t: (n,) never decreasing; lower, upper: in the same unit, 0 <= lower <= upper; None: from the sample itself, to the
     end of the trace (its start, when past). The window of sample k holds the samples j with
     t[k] + lower <= t[j] <= t[k] + upper (past: t[k] - upper <= t[j] <= t[k] - lower), computed as written.
     ends: (n,) when samples end that are no moments but gaps, of which a part in the window is enough.
@@ -94,18 +94,22 @@ def windows(
     n = t.size
     if t.shape != (n,) or t.dtype != np.float64:
         raise TypeError(f"times are a float64 array of shape (n,), not {t.dtype} of shape {t.shape}")
-    if not (t[1:] > t[:-1]).all() or not np.isfinite(t[:1]).all() or not np.isfinite(t[-1:]).all():
-        raise TrackmarshalError("D181", "the times of a timeline are not finite and strictly increasing")
+    if not (t[1:] >= t[:-1]).all() or not np.isfinite(t[:1]).all() or not np.isfinite(t[-1:]).all():
+        raise TrackmarshalError("D181", "the times of a timeline are not finite, or step back")
     first, last = 0.0 if lower is None else lower, math.inf if upper is None else upper
     if not 0.0 <= first <= last:
         raise TrackmarshalError(
-            "D182", f"[{first:g} s, {last:g} s] is no window: 0 <= lower <= upper does not hold"
+            "D182", f"[{first:g}, {last:g}] is no window: 0 <= lower <= upper does not hold"
         )
     if ends is not None:
         return _of_spans(t, ends, first, last, past)
     if past:
         t = -t[::-1]
     begin: Edge = 0 if first == 0.0 else _edge(t, first, closed=False)
+    if not isinstance(begin, int):
+        begin = np.maximum(
+            begin, np.arange(n)
+        )  # where a bound is lost beside t, earlier samples lie at the time that it leads to
     end: Edge = n if last == math.inf else _edge(t, last, closed=True)
     return Windows(n, past, begin, end, n)
 
