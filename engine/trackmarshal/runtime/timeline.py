@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.runtime.frame import Columns
 
-Floats: TypeAlias = NDArray[np.float64]
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+    Floats = NDArray[float64]
+
 #: s; times farther away stand there, so that each is finite in nanoseconds, too.
 _FARTHEST = 1e299
 
@@ -28,7 +30,7 @@ def measured(columns: Columns, lower: float | None, upper: float | None) -> Meas
     """Of a timeline, and a window of it, s. Samples within a nanosecond of each other are at one time."""
     joined = columns.joined
     if joined is None:
-        begins, ends = np.rint(np.clip(columns.column("t"), -_FARTHEST, _FARTHEST) * 1e9), None
+        begins, ends = (columns.column("t").clip(-_FARTHEST, _FARTHEST) * 1e9).round(), None
     else:
         begins, ends = joined.begin, joined.end
     return Measured(begins, ends, _bound(lower), _bound(upper))
