@@ -121,6 +121,33 @@ def _top_operand(name: str) -> str | None:
     return next((op for op in ("always", "eventually") if text.startswith(f"{op} (")), None)
 
 
+def test_windows_are_of_whole_nanoseconds() -> None:
+    """0.1 s after 0.7 s is 0.8 s, whichever of the doubles near it stands there; times that are infinite in nanoseconds stand at one place."""
+    spec = compiled(
+        HEAD
+        + 'rule ahead "made up"\n  along log as p\n  require eventually[100 ms, 100 ms] (p.p > 0)\n'
+        + 'rule back "made up"\n  along log as p\n  require once[100 ms, 100 ms] (p.p > 0)\n'
+        + 'rule here "made up"\n  along log as p\n  require eventually[0 ms, 0 ms] (p.p > 0)\n'
+    )
+    monitors = Monitors(spec, spec.rules, 64)
+
+    def held(name: str, t: list[float], p: list[float]) -> list[bool]:
+        return [
+            bool(code == 0) for code in monitors.run(name, {"t": np.array(t), "p": np.array(p)})[0]["verdict"]
+        ]
+
+    t = [0.7, 0.7 + 0.1, 0.8 + 2e-10, 0.9]
+    assert t[1] < 0.8
+    assert (
+        held("ahead", t, [0.0, 1.0, 0.0, 0.0])
+        == held("ahead", t, [0.0, 0.0, 1.0, 0.0])
+        == [True, False, False, False]
+    )
+    assert held("back", t, [1.0, 0.0, 0.0, 0.0]) == [False, True, True, False]
+    assert held("here", t, [0.0, 0.0, 1.0, 0.0]) == [False, True, True, False]
+    assert held("here", [-1.7e308, -1e305, 0.0, 1.7e308], [0.0, 1.0, 0.0, 0.0]) == [True, True, False, False]
+
+
 def test_samples_beyond_the_capacity_are_refused_not_guessed() -> None:
     spec = compiled(HEAD + 'rule r "made up"\n  along log as p\n  require always[0 s, 10 s] (p.p > 0)\n')
     rules = Evaluator(spec, None, "reference").rules

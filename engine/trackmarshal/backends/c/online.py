@@ -12,7 +12,7 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.timelines import operands_of, truth
+from trackmarshal.backends.c.timelines import bound, operands_of, truth
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -164,7 +164,7 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
                 kept += [c.Address(_part("stack", stacks + k)) for k in range(2)]
                 stacks += 2
             flow = c.Address(_part("flow", 2 * number + side))
-            step = _step(node, number, flow, kept, time, given, _stream(output[side]))
+            step = _step(node, number, flow, kept, given, _stream(output[side]))
             writer.add(writer.root, c.Evaluate(step))
         stays = "true" if isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None else "false"
         oldest.append(f"tm_online_oldest(&m->flow[{2 * number}], {stays})")
@@ -234,15 +234,15 @@ def _stage(
 
 
 def _step(
-    node: ir.Timed, number: int, flow: c.Expr, kept: list[c.Expr], time: str, given: list[c.Expr], target: c.Expr
+    node: ir.Timed, number: int, flow: c.Expr, kept: list[c.Expr], given: list[c.Expr], target: c.Expr
 ) -> c.Expr:  # fmt: skip
     have = _part("given", number)
     finished = c.Member(_M, "finished", True)
     match node:
         case ir.Temporal() | ir.Until():
             ends = (0.0 if node.lower is None else node.lower, math.inf if node.upper is None else node.upper)
-            window = [c.Literal(literal(end)) for end in ends]
-            place = [c.Member(c.Member(_M, "ring", True), time, False), have]
+            window = [c.Literal(literal(bound(end))) for end in ends]
+            place = [c.Member(_M, "stamp", True), have]
             if not node.past:
                 place += [c.Member(_M, "count", True), finished]
             if isinstance(node, ir.Until):
@@ -327,7 +327,7 @@ def _types(
     if flows:
         yield f"  size_t given[{flows // 2}];\n  tm_flow flow[{flows}];\n  tm_stream stream[{streams}];"
     if queues:
-        yield f"  tm_candidates queue[{queues}];"
+        yield f"  double stamp[TM_MAX_ONLINE]; /* ns, whole */\n  tm_candidates queue[{queues}];"
     if stacks:
         yield f"  tm_stream stack[{stacks}];"
     yield f"}} tm_online_{name};"
@@ -374,6 +374,8 @@ def _functions(
     yield "  }"
     for _, c_name in fields:
         yield f"  m->ring.{c_name}[tm_ring(m->count)] = sample->{c_name};"
+    if time:
+        yield f"  m->stamp[tm_ring(m->count)] = tm_stamp(sample->{time});"
     if not fields:
         yield "  (void)sample;"
     yield "  ++m->count;"

@@ -91,7 +91,7 @@ def _call(self: Writer, node: ir.Timed, own: list[c.Expr], target: c.Expr, home:
                 raise self.refuse(
                     node, f"[{lower:g} s, {upper:g} s] is no window: 0 <= lower <= upper does not hold"
                 )
-            ends = (c.Literal(literal(_bound(end))) for end in (lower, upper))
+            ends = (c.Literal(literal(bound(end))) for end in (lower, upper))
             window = (context, *_times(self, node.axis, home), total, *ends, truth(node.past))
             if isinstance(node, ir.Until):
                 return self.call("tm_held", *window, *own, target)
@@ -110,7 +110,7 @@ def _tally(self: Writer, node: ir.Tallied, own: list[c.Expr], target: c.Expr, ho
     if node.reset is not None:
         return self.call("tm_tally_anew", context, missing, total, *own, target)
     upper = math.inf if node.upper is None else node.upper
-    times, back = _times(self, node.axis, home), c.Literal(literal(_bound(upper)))
+    times, back = _times(self, node.axis, home), c.Literal(literal(bound(upper)))
     return self.call("tm_tally_last", context, *times, missing, total, back, *own, target)
 
 
@@ -132,7 +132,7 @@ def _of_course(self: Writer, axis: ir.Axis, member: str) -> c.Expr:
     return c.Member(self.input(axis.signal), member, False)
 
 
-def _bound(seconds: float) -> float:
+def bound(seconds: float) -> float:
     """The bound of a window, in whole nanoseconds."""
     return seconds if math.isinf(seconds) else float(nanoseconds(seconds))
 

@@ -8,10 +8,15 @@ static bool tm_times(const double *t, size_t n) {
   return true;
 }
 
-/** Times in whole nanoseconds, to the nearest; those so far away that they would be infinite stand where they are not. */
+/** A time in whole nanoseconds, to the nearest; one so far away that it would be infinite stands where it is not. */
+static double tm_stamp(double t) {
+  return rint(tm_greatest(-1e299, tm_least(1e299, t)) * 1e9);
+}
+
+/** Times in whole nanoseconds. */
 static void tm_stamps(const double *t, size_t n, tm_series *into) {
   for (size_t i = 0u; i < n; ++i) {
-    into->margin[i] = rint(tm_greatest(-1e299, tm_least(1e299, t[i])) * 1e9);
+    into->margin[i] = tm_stamp(t[i]);
   }
 }
 
