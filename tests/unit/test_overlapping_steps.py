@@ -140,3 +140,30 @@ def test_who_was_stopped_in_a_step_takes_the_next_one(backend: str) -> None:
     with pytest.raises(KeyboardInterrupt):
         stepped(one, clock, 3)
     assert [fault.code for fault in one.step(None).faults] == [FAULTS["missing_cycle"]]
+
+
+def test_who_was_stopped_while_a_cycle_was_read_keeps_what_is_stored(backend: str) -> None:
+    class Stopping(Mapping[str, Any]):
+        def __getitem__(self, name: str) -> Any:
+            raise KeyboardInterrupt
+
+        def __iter__(self) -> Iterator[str]:
+            raise KeyboardInterrupt
+
+        def __len__(self) -> int:
+            raise KeyboardInterrupt
+
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+    clock.now, clock.reads = PERIOD * 3, 0
+    with pytest.raises(KeyboardInterrupt):
+        one.step(replace(cycle(3), signals=Stopping()))
+    decision = one.step(None)
+    assert (decision.state, [fault.code for fault in decision.faults]) == (
+        "previous_emergency",
+        [FAULTS["missing_cycle"]],
+    )
+    assert decision.driven is not None
+    assert decision.driven.number == 2

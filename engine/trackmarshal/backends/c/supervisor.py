@@ -178,7 +178,6 @@ class CSupervisor(OfOneRun):
         if frame is not None:
             stamp, said = Stamp(left.number, left.t, ()), self._here.last()
         else:
-            self._quick.steps += 1
             try:
                 if isinstance(cycle, Cycle):
                     stamp = stamp_of(cycle)
@@ -186,8 +185,13 @@ class CSupervisor(OfOneRun):
                     found = [*stamp.faults, *structure]
                 elif cycle is not None:
                     found.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
-                said = self._call(frame, stamp, now, found)
             except Exception as error:  # what was handed in has a say in how it is read
+                frame, found = None, [internal(error)]
+            # Not before: a step that is stopped while its cycle is read is none to C, which counts on from the one before.
+            self._quick.steps += 1
+            try:
+                said = self._call(frame, stamp, now, found)
+            except Exception as error:
                 frame, found = None, [internal(error)]
                 said = self._call(None, stamp, now, found)
             self._expect(frame)
