@@ -673,6 +673,27 @@ def test_lengths_of_short_floats_that_lie_far_apart_there(made: Any, rig: Rig) -
     assert rig.step(4, replace(cycle(3), driving=slow))["about_sequence"] > 0
 
 
+def test_views_of_bytes_and_numbers_beyond_a_double_are_no_column() -> None:
+    for column in (memoryview(b"123"), [1.0, 10**400, 3.0]):
+        with pytest.raises(LinkError, match="`v`"):
+            put("v", column)
+    assert put("v", memoryview(array("d", [1.0, 2.0, 3.0]))) == [1.0, 2.0, 3.0]
+
+
+def test_numbers_of_elements_may_be_an_array(rig: Rig) -> None:
+    """Also where no rule knows elements again, and nobody reads them."""
+    objects = {**cycle(3).signals["objects"], "id": np.array([7, 8])}
+    assert rig.client.send(3, 0.3, None, None, {"objects": objects}) > 0
+
+
+@pytest.mark.parametrize(
+    ("number", "t"), [(2**70, 0.3), (1.5, 0.3), (3, 10**400)], ids=["long", "part", "stamp"]
+)
+def test_what_an_entry_has_no_room_for(number: Any, t: Any, rig: Rig) -> None:
+    with pytest.raises(LinkError, match="cannot be that"):
+        rig.client.send(number, t, None, None, {})
+
+
 @pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])
 def test_a_flag_that_is_none(closed: Any, rig: Rig) -> None:
     left = Border([(0.0, 6.0), (100.0, 6.0)])

@@ -235,7 +235,8 @@ class Client:
         if not known.record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)
-            self._name(message, group, value.get("id") or (), count)
+            ids = value.get("id")
+            self._name(message, group, () if ids is None else ids, count)
 
     def _name(self, message: bytearray, group: str, ids: Sequence[int], count: int) -> None:
         """Put in by what elements are known again, where rules ask for it; the Supervisor refuses a set in which not each has an id."""

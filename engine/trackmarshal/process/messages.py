@@ -119,7 +119,10 @@ class Kind:
             if entry.type == "f64" and not is_number(value):
                 raise LinkError(f"`{entry.name}` is no number: {str(value)[:40]!r}")
             _refuse_rounded([value], entry)
-            struct.pack_into("<" + entry.format, into, entry.offset, value)
+            try:
+                struct.pack_into("<" + entry.format, into, entry.offset, value)
+            except (struct.error, OverflowError) as error:  # the one or the other, as Python's version has it
+                raise LinkError(f"`{entry.name}` cannot be that: {error}") from error
             return
         length_of(value, entry)
         _refuse_rounded(value, entry)  # while it says what it is of: what is masked becomes a list next
@@ -130,7 +133,13 @@ class Kind:
         except (TypeError, ValueError):  # no buffer, or one of what no buffer has, such as times
             same = False
         if not same:
-            data = memoryview(array(entry.format, _listed(value, entry)))
+            listed = _listed(value, entry)
+            try:
+                data = memoryview(array(entry.format, listed))
+            except (TypeError, OverflowError) as error:
+                raise LinkError(
+                    f"an entry of `{entry.name}` is a number that it cannot hold: {error}"
+                ) from error
         if len(data) > entry.room:
             data = data[: entry.room]
         into[entry.offset : entry.offset + data.nbytes] = data.cast("B")
@@ -221,10 +230,15 @@ def length_of(column: Any, entry: Entry) -> int:
 def _listed(value: Any, entry: Entry) -> list[Any]:
     """The entries of a column, as they are sent; raises LinkError for what is none to the Supervisor's own door."""
     kind = getattr(getattr(value, "dtype", None), "kind", "")
-    if isinstance(value, _NO_COLUMNS) or kind in ("m", "M"):
+    if isinstance(value, _NO_COLUMNS) or kind in ("m", "M") or _of_bytes(value):
         raise LinkError(f"`{entry.name}` is no column of numbers")
     found = value.tolist() if hasattr(value, "tolist") else list(value)
     return found if PLAIN.issuperset(map(type, found)) else [_sent(one, entry) for one in found]
+
+
+def _of_bytes(value: Any) -> bool:
+    """Whether it is bytes that nobody has said to be numbers, in a view of them."""
+    return isinstance(value, memoryview) and value.format in ("B", "c")
 
 
 def _sent(one: Any, entry: Entry) -> Any:
