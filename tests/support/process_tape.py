@@ -24,7 +24,8 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 
 Record = bytes | float
 
-#: What it prints of bytes: why they are not taken as what goes down, as what goes up, and by whoever executes; whether there was a decision.
+#: What it prints of bytes: why they are not taken as what goes down, as what goes up, and by whoever executes; whether there was a decision. In the
+#: end, how many were not taken by whoever executes, by cause.
 PROGRAM = r"""
 #include "executing.h"
 #include <stdio.h>
@@ -99,6 +100,9 @@ int main(int argc, char **argv) {
       free(message);
     }
   }
+  printf("refused");
+  for (size_t k = 1; k < TML_CAUSES; ++k) { printf(" %s %llu", tml_causes[k], (unsigned long long)executing.refused[k]); }
+  putchar('\n');
   return fclose(tape);
 }
 """
@@ -157,7 +161,8 @@ def expected(layout: Layout, tape: Sequence[Record]) -> list[str]:
             lines.append(
                 f"came {layout.look(one, up=False)[0]} {layout.look(one, up=True)[0]} {executing.hear(one)}"
             )
-    return lines
+    told = (f"{cause} {executing.refused.get(cause, 0)}" for cause in layout.said["causes"][1:])
+    return [*lines, " ".join(["refused", *told])]
 
 
 def _bits(x: float) -> str:
