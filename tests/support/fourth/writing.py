@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -95,6 +96,8 @@ class Writer:
         self.definitions: list[Any] = []
         self.params: list[Num] = []
         self.tables: list[tuple[str, Table, Dim, Dim]] = []
+        #: What else a rule may ask, of what it sees; None where it does not fit.
+        self.asks: list[Callable[[Scope], Formula | None]] = []
         self._declare()
 
     # Declarations.
@@ -394,12 +397,12 @@ class Writer:
             p, number, op = self.formula(inner, less), dice.randint(0, 4), dice.choice(COMPARISONS)
             how = dice.randint(0, 2)
             if how == 1:
-                size = self._time()
+                size = self.time()
                 return tally(p, op, number, last=Window(size[0], 0.0, size[1]))
             return tally(p, op, number, reset=self.formula(inner, less) if how == 2 else None)
         return self._leaf(scope)
 
-    def _time(self) -> tuple[str, float]:
+    def time(self) -> tuple[str, float]:
         tenths = self.dice.randint(0, 12)
         if self.dice.random() < 0.5:
             return f"{tenths * 100} ms", tenths * 100e6
@@ -408,10 +411,14 @@ class Writer:
     def _window(self, bounded: bool) -> Window:
         if not bounded and self.dice.random() < 0.3:
             return Window()
-        low, high = sorted([self._time(), self._time()], key=lambda one: one[1])
+        low, high = sorted([self.time(), self.time()], key=lambda one: one[1])
         return Window(f"[{low[0]}, {high[0]}]", low[1], high[1])
 
     def _leaf(self, scope: Scope) -> Formula:
+        if self.asks and scope.time and self.dice.random() < 0.6:
+            asked = self.dice.choice(self.asks)(scope)
+            if asked is not None:
+                return asked
         name, _ = self.dice.choice(scope.records)
         way = self.dice.randint(0, 6)
         if way == 0:
