@@ -76,6 +76,26 @@ def test_it_remembers_what_was_seen(backend: str) -> None:
     assert rig.step().safe
 
 
+NEVER_DRIVEN = """state gear : { low, high } starts low
+  becomes high from low when ego.v > 100 m/s
+  becomes low from high when plan.last.v < 1 m/s
+rule moves "" require ego.v > 3 m/s
+rule quick "" require weak previous time_in(gear) <= 1 s
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_state_is_known_where_nothing_was_driven(backend: str) -> None:
+    """The guard that asks for the plan does not lead from it: a Supervisor that did not start in its first cycle never did."""
+    rig = Rig(NEVER_DRIVEN, backend)
+    standing = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 2.0}
+    assert names(rig.step(ego=standing)) == [
+        ("moves", "driving", "violated"),
+        ("moves", "emergency", "violated"),
+    ]
+    assert names(rig.step()) == []
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_see_what_was_driven(backend: str) -> None:
     """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""

@@ -20,7 +20,7 @@ from trackmarshal.backends.witness import Descent
 from trackmarshal.explaining.numbers import Env
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
-from trackmarshal.ir.reads import reads
+from trackmarshal.ir.reads import reads_itself
 from trackmarshal.runtime.kleene import TRUE, connect
 from trackmarshal.runtime.verdict import Truth, Witness
 from trackmarshal.units import moment
@@ -62,7 +62,7 @@ class Trail:
     def _leaf(self, node: ir.Formula, k: int, ids: Ids) -> Found | None:
         now = self.history.cycles[k].now
         assert now is not None, "cycles are kept whole where they are explained"
-        missing = now.frame.unusable(reads(node))
+        missing = now.frame.unusable(reads_itself(node))
         if missing is not None:
             self.said.append(f"at {at(now.t)}: {missing}")
             return None

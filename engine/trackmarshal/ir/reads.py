@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import sets
+from trackmarshal.ir.overrun import outside_machines, sets
 
 
 def reads(formula: ir.Formula | ir.Num | ir.Machine | None) -> frozenset[tuple[str, str]]:
     """Which fields of which signals a formula reads, or a state machine."""
+    return _read_by(ir.below(formula)) if formula is not None else frozenset()
+
+
+def reads_itself(node: ir.Formula | ir.Num) -> frozenset[tuple[str, str]]:
+    """What it reads but for what decides the states of machines: of these something may be known where that is not."""
+    return _read_by(outside_machines(node))
+
+
+def _read_by(nodes: Iterable[ir.AnyNode]) -> frozenset[tuple[str, str]]:
     result: set[tuple[str, str]] = set()
-    for node in ir.below(formula) if formula is not None else ():
+    for node in nodes:
         match node:
             case ir.Column():
                 result.add((node.axis.signal, node.field))

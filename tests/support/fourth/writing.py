@@ -58,8 +58,8 @@ SHADES = ("green", "yellow", "red")
 M, S, KG, ONE, SPEED, ACC = (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0), (1, -1, 0), (1, -2, 0)
 #: Fields that are numbers, by signal.
 FIELDS: dict[str, dict[str, Dim]] = {
-    "plan": {"t": S, "v": SPEED, "a": ACC},
-    "ego": {"x": M, "v": SPEED, "h": ONE, "mass": KG},
+    "plan": {"t": S, "x": M, "y": M, "heading": ONE, "v": SPEED, "a": ACC},
+    "ego": {"x": M, "y": M, "heading": ONE, "v": SPEED, "mass": KG},
     "objects": {"x": M, "v": SPEED, "w": M},
 }
 _KINDS = {"plan": "trajectory", "ego": "state", "objects": "set of object"}
@@ -88,6 +88,8 @@ class Writer:
         self.axis, self.exact = axis, exact
         #: A cycle of a run that lacks something is a gap to all others; so it lacks nothing here.
         self.missing = 0.0 if axis == "run" else 0.04
+        #: Whether rules over the run look ahead.
+        self.ahead = True
         self.declared: list[str] = []
         self.units: dict[tuple[str, str], tuple[str, Fraction]] = {}
         self.named = 0
@@ -130,7 +132,8 @@ class Writer:
         for signal, fields in FIELDS.items():
             parts = []
             for name, dim in fields.items():
-                unit = self.units[signal, name] = ("s", Fraction(1)) if name == "t" else self._unit(dim)
+                unit = {"t": ("s", Fraction(1)), "heading": ("rad", Fraction(1))}.get(name) or self._unit(dim)
+                self.units[signal, name] = unit
                 text = f"{name}: {unit[0] or '1'}" + (" increasing" if name == "t" else "")
                 if name in ("w", "mass"):
                     value = abs(self._number())
@@ -436,7 +439,7 @@ class Writer:
     # Rules.
 
     def rule(self, name: str, depth: int) -> tuple[str, list[Clause], Formula]:
-        scope = Scope((("ego", "ego"),), time=self.axis == "run")
+        scope = Scope((("ego", "ego"),), time=self.axis == "run", ahead=self.ahead)
         lines, clauses = [f'rule {name} "x"'], []
         if self.axis == "along":
             lines.append("along plan as p" + (" at last" if self.dice.random() < 0.5 else ""))

@@ -13,7 +13,7 @@ from trackmarshal.backends.results import CaseValues
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
 from trackmarshal.ir.overrun import sets, stamped
-from trackmarshal.ir.reads import reads
+from trackmarshal.ir.reads import reads, reads_itself
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.kleene import UNDEFINED
 from trackmarshal.runtime.verdict import Truth
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from trackmarshal.backends.reference.evaluator import Reference
 
 #: Asked of every leaf in every cycle, for each element.
-_reads = lru_cache(maxsize=4096)(reads)
+_reads = lru_cache(maxsize=4096)(reads_itself)
 _sets = lru_cache(maxsize=4096)(sets)
 
 

@@ -20,7 +20,7 @@ from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, TALLY, finished, remembers
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import over_run, recalls
-from trackmarshal.ir.reads import reads
+from trackmarshal.ir.reads import reads_itself
 from trackmarshal.ir.spec import SignalType
 from trackmarshal.runtime.contract import FOLLOWED, PLAN
 
@@ -238,8 +238,8 @@ class _Noting(Writer):
 
 
 def _of_plan(node: ir.Formula | ir.Num) -> bool:
-    """Whether something reads the trajectory that is driven."""
-    return any(signal in (PLAN, FOLLOWED) for signal, _ in reads(node))
+    """Whether something reads the trajectory that is driven, but for what decides the states of machines."""
+    return any(signal in (PLAN, FOLLOWED) for signal, _ in reads_itself(node))
 
 
 def _note(plan: Layout) -> c.Function:
