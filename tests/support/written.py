@@ -56,6 +56,8 @@ def written(node: typed.Value) -> ast.Expr:
             return formula(node)
         case typed.MemberNode():
             return member(node)
+        case typed.Count():
+            return count(node)
         case _:
             return thing(node)
 
@@ -251,6 +253,8 @@ def clause(node: typed.Clause) -> ast.Clause:
             return ast.Along(ast.Name(node.range.signal.name), name, at)
         case typed.Whenever():
             return ast.Whenever(formula(node.condition))
+        case typed.Deadline():
+            return ast.WithinTime(number(node.limit))
         case typed.ForEach():
             where = None if node.where is None else formula(node.where)
             by = None if node.by is None else number(node.by)
@@ -277,7 +281,7 @@ def plain(node: Any) -> Any:
 
 
 #: The clauses that a rule's meaning is made of.
-MEANT = (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.Require)
+MEANT = (ast.Bind, ast.Except, ast.Let, ast.Along, ast.Whenever, ast.WithinTime, ast.Require)
 
 
 def differences(rule: typed.Rule, item: ast.Rule | ast.Assume) -> list[str]:

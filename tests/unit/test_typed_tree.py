@@ -109,6 +109,14 @@ def test_nothing_of_made_up_rules_is_lost(seed: int, tmp_path: Path) -> None:
     assert [found for rule, item in pairs for found in written.differences(rule, item)] == []
 
 
+def test_a_deadline_is_kept_as_it_is_written(tmp_path: Path) -> None:
+    ego = "signal ego : state { v: m/s }\n"
+    rule = 'rule soon "soon"\n  whenever blue_flag\n  within 5 s\n  require ego.v < top\n'
+    ((made, item),) = rules(compiled(tmp_path, HEAD + ego + rule))
+    assert [type(clause).__name__ for clause in made.clauses] == ["Whenever", "Deadline", "Require"]
+    assert written.differences(made, item) == []
+
+
 def test_clauses_stand_in_the_order_written_and_exceptions_with_their_reasons(tmp_path: Path) -> None:
     ((rule, item),) = rules(compiled(tmp_path, HEAD + RULE))
     assert written.differences(rule, item) == []
