@@ -57,7 +57,8 @@ def project(made: Path, tmp_path: Path) -> Iterator[Path]:
 def test_the_table_is_long_enough() -> None:
     assert len(FAULTS) >= 120
     assert len(EDITS) >= 40
-    twice = [name for name, number in Counter(e.name for e in (*FAULTS, *EDITS)).items() if number > 1]
+    names = [*(fault.name for fault in FAULTS), *(edit.name for edit in EDITS)]
+    twice = [name for name, number in Counter(names).items() if number > 1]
     assert twice == []
 
 

@@ -77,7 +77,7 @@ def test_every_field_of_every_node_is_told() -> None:
             new = other(getattr(node, name))
             if new is None:
                 continue  # a node below, which is told of itself
-            changed = object.__new__(kind)
+            changed: Any = object.__new__(kind)
             changed.__dict__.update({**node.__dict__, name: new})
             if describe(changed) == describe(node):
                 silent.add((kind.__name__, name))

@@ -70,9 +70,10 @@ def good() -> Lines:
         }
         for i in range(3)
     ]
-    return json.loads(
+    found: list[dict[str, Any]] = json.loads(
         json.dumps([{**head, "obstacles": [{k: v for k, v in other.items() if k != "v"}]}, *cycles])
-    )  # type: ignore[no-any-return]
+    )
+    return found
 
 
 def replay(lines: Lines) -> tuple[int, str]:

@@ -50,7 +50,7 @@ def test_where_a_name_can_stand_every_word_is_reserved(before: str) -> None:
     interactive = parser().parse_interactive(before)
     interactive.exhaust_lexer()
     patterns = {terminal.name: terminal.pattern.value for terminal in parser().terminals}
-    accepted = interactive.accepts()
+    accepted = interactive.accepts()  # type: ignore[no-untyped-call]
     assert "NAME" in accepted
     spelled_out = accepted & patterns.keys() - {"NAME", "NUMBER", "QUANTITY", "UNIT", "STRING"}
     words = {

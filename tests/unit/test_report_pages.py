@@ -454,8 +454,8 @@ def test_injected_faults_are_a_table(tmp_path: Path) -> None:
         "\N{NO-BREAK SPACE}", " "
     )
     assert "2 of 3 faults were found as expected; 1 with stale results; 1 not put in." in table
-    rows = [re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", row)).strip() for row in table.split("<tr>")[2:]]
-    assert [row.removesuffix(" Checks and tests") for row in rows] == [
+    shown = [re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", row)).strip() for row in table.split("<tr>")[2:]]
+    assert [row.removesuffix(" Checks and tests") for row in shown] == [
         "F-1 no &lt;objects&gt; S-1-A-1 missing (D211) and late 2 s emergency trajectory of 1.9 s; nothing from 2.1 s (apart) ✓ yes",
         "F-2 too fast found by friction, expected speed_limit RR-1 friction 2 s nothing (none_stored) ✕ no",
         "F-3 nothing RR-4 nothing – planned trajectory ✓ yes",

@@ -276,7 +276,7 @@ def test_what_rules_remember_is_not_kept(kept: Any) -> None:
     assert run.step().safe
     with mock.patch.object(run.oracle, "commit", commit):
         fresh = Run()
-        fresh.oracle.commit = commit  # type: ignore[method-assign]
+        fresh.oracle.commit = commit  # type: ignore[method-assign, assignment]
         decision = fresh.step()
     assert decision.state in ("no_emergency_yet", NO_SAFE_TRAJECTORY)
     assert decision.driven is None

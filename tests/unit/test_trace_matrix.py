@@ -316,7 +316,7 @@ def test_the_order_of_inputs_does_not_matter() -> None:
     expected = {kind: trace.render(trace.build(small.root, *parts, TODAY), kind) for kind in trace.FORMATS}
     for seed in range(5):
         shuffled = [random.Random(seed).sample(part, len(part)) for part in parts]
-        matrix = trace.build(small.root, *shuffled, TODAY)  # type: ignore[arg-type]
+        matrix = trace.build(small.root, *shuffled, TODAY)  # type: ignore[arg-type, call-arg]
         assert {kind: trace.render(matrix, kind) for kind in trace.FORMATS} == expected
 
 
