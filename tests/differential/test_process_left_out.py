@@ -1,0 +1,88 @@
+"""What a client of a process leaves out is missing, as to a Supervisor in this process: also of clients before which no door stands, as of those in C."""
+
+from __future__ import annotations
+
+import shutil
+from typing import Any
+
+import pytest
+
+import trackmarshal as tm
+from support.processes import PATIENCE, Served
+from trackmarshal.process.client import Client
+from trackmarshal.process.serving import build
+from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.faults import name_of
+
+pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+SPEC = """module m
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m, v: m/s } capacity 4
+event yellow "a yellow flag is shown"
+rule calm "" require not yellow or ego.v < 30 m/s
+rule room ""
+  for all o in objects
+  require once[0 s, 1 s] (o.x - ego.x > 0 m or o.v >= 0 m/s)
+"""
+COLUMN = {
+    "t": [0.0, 0.4, 2.0],
+    "x": [0.0, 4.0, 12.0],
+    "y": [0.0] * 3,
+    "heading": [0.0] * 3,
+    "v": [10.0, 10.0, 0.0],
+}
+GIVEN: dict[str, Any] = {
+    "driving": COLUMN, "emergency": COLUMN, "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0},
+    "objects": {"id": [7, 8], "x": [50.0, 60.0], "v": [1.0, 2.0]}, "yellow": False,
+}  # fmt: skip
+LEFT_OUT = [
+    "", "driving", "emergency", "driving.v", "emergency.t", "ego", "ego.v", "objects", "objects.x", "objects.v", "objects.id", "yellow",
+]  # fmt: skip
+
+
+@pytest.fixture
+def served() -> Any:
+    spec = tm.loads(SPEC)
+    with Served(build(spec, list(spec.rules))) as served:  # compiled once for all
+        yield served
+
+
+@pytest.mark.parametrize("left_out", LEFT_OUT)
+def test_what_is_left_out_is_missing(left_out: str, served: Served) -> None:
+    signal, _, field = left_out.partition(".")
+    given = {name: value for name, value in GIVEN.items() if field or name != signal}
+    if field:
+        given[signal] = {name: column for name, column in GIVEN[signal].items() if name != field}
+    driving, emergency = given.pop("driving", None), given.pop("emergency", None)
+    now = 0.0
+    client = Client(served.program.layout, served.channel(), lambda: now)
+    local = tm.supervisor(tm.loads(SPEC), backend="numpy", clock=lambda: now)
+    expected = local.step(Cycle(0, 0.0, driving, emergency, given))
+    said = client.answer(client.send(0, 0.0, driving, emergency, given), PATIENCE)
+    client.close()
+    assert said is not None
+    layout = said.layout
+    reasons = range(said["reason_count"])
+    found = [
+        (layout.faults[said["reason_name"][i]], layout.signals[said["reason_signal"][i]], layout.fields[said["reason_field"][i]])
+        for i in reasons if said["reason_kind"][i] == 0
+    ]  # fmt: skip
+    wanted = [(name_of(fault), fault.signal, fault.field) for fault in expected.faults]
+    if left_out in ("ego.v", "yellow"):  # of what is one value, a message does not say whether it was given
+        wanted = [("not_finite", signal, field) for _, signal, field in wanted]
+    assert found == wanted
+    assert bool(said["safe"]) == expected.safe == (left_out == "")
+
+
+def test_when_samples_are_due(served: Served) -> None:
+    """Of what is driven and of what is stored, by the clock, and not by the stamp of its cycle."""
+    now = 100.0
+    client = Client(served.program.layout, served.channel(), lambda: now)
+    said = client.answer(client.send(0, 99.95, COLUMN, COLUMN, {"ego": GIVEN["ego"], "objects": GIVEN["objects"], "yellow": False}), PATIENCE)  # fmt: skip
+    client.close()
+    assert said is not None
+    assert said["safe"] == 1
+    for which in ("driving", "fallback"):
+        count = said[f"{which}/count"]
+        assert list(said[f"{which}/due"][:count]) == [t + 99.95 for t in COLUMN["t"]]
