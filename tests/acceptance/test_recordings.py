@@ -12,8 +12,7 @@ import pytest
 from support.length import at_length
 from support.shared import shared
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.cli.replay import evaluator_for
-from trackmarshal.evaluation import Evaluator
+from trackmarshal.cli.replay import Known, evaluator_for
 from trackmarshal.scenarios import load
 from trackmarshal.scenarios.replay import Replay, intervals, replay
 
@@ -24,7 +23,7 @@ BACKENDS = ("numpy", pytest.param("reference", marks=pytest.mark.acceptance), "c
 CYCLES = (pytest.param(1, marks=pytest.mark.acceptance, id="all"), pytest.param(SOME, id="some"))
 
 
-_known: dict[object, Evaluator] = {}
+_known = Known()
 
 
 @cache

@@ -17,7 +17,7 @@ from support.dense.sweep import corners
 from support.length import at_length, shared_out
 from support.shared import REPOSITORY
 from trackmarshal import scenarios, trace
-from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.cli.replay import Known, evaluator_for
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.verdict import UNSAFE
 from trackmarshal.scenarios.recording import Recording
@@ -37,7 +37,7 @@ BESIDE = {
 #: What finds who closes the door.
 DOOR = ("fallback_cut_in", "cut_in")
 
-_known: dict[object, Evaluator] = {}
+_known = Known()
 
 
 @cache

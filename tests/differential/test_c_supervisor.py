@@ -26,7 +26,7 @@ from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
 from trackmarshal.backends.c.build import EXACT, compiler
 from trackmarshal.backends.c.supervisor import CSupervisor
-from trackmarshal.cli.replay import evaluator_for
+from trackmarshal.cli.replay import Known, evaluator_for
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import Limits
@@ -54,7 +54,7 @@ def evaluator() -> Evaluator:
     return Evaluator(spec_with())
 
 
-_known: dict[object, Evaluator] = {}
+_known = Known()
 
 
 @cache

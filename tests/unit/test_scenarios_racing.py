@@ -12,8 +12,7 @@ import pytest
 from support.length import at_length, shared_out
 from support.shared import REPOSITORY
 from trackmarshal import scenarios
-from trackmarshal.cli.replay import evaluator_for
-from trackmarshal.evaluation import Evaluator
+from trackmarshal.cli.replay import Known, evaluator_for
 from trackmarshal.scenarios.generate import generate
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
@@ -30,8 +29,8 @@ def kept(name: str) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def known() -> dict[object, Evaluator]:
-    return {}
+def known() -> Known:
+    return Known()
 
 
 @pytest.mark.parametrize(
@@ -56,7 +55,7 @@ def known() -> dict[object, Evaluator]:
     ],
 )
 def test_the_ground_truth_notices_other_rules(
-    name: str, params: dict[str, float], missed: str, alarms: str, known: dict[object, Evaluator]
+    name: str, params: dict[str, float], missed: str, alarms: str, known: Known
 ) -> None:
     recording = kept(name)
     recording = replace(recording, params={**recording.params, **params})
