@@ -97,6 +97,24 @@ def test_a_state_is_known_where_nothing_was_driven(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    "rule", ["ego.v < 3 m/s or plan.first.v < 20 m/s", "not (ego.v >= 3 m/s and plan.first.v >= 20 m/s)"]
+)
+def test_a_rule_says_where_what_was_driven_does_not_count(rule: str, backend: str) -> None:
+    """Where nothing was, the rest of the formula may decide."""
+    moves = 'rule moves "" require ego.v > 3 m/s\n'
+    standing = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 2.0}
+    for require, starts in (
+        (f"historically[0 s, 1 s] ({rule})", True),
+        ("historically[0 s, 1 s] plan.first.v < 20 m/s", False),
+    ):
+        rig = Rig(f'{moves}rule slow "" require {require}\n', backend)
+        assert not rig.step(ego=standing).safe
+        assert rig.step().safe == starts
+        assert rig.step().safe == starts
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_see_what_was_driven(backend: str) -> None:
     """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""
     rig = Rig(

@@ -7,6 +7,7 @@ that speak of one cycle alone. Whoever knows the leaves of every cycle knows the
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from weakref import WeakKeyDictionary
 
 from trackmarshal.ir import nodes as ir
@@ -73,9 +74,12 @@ def outside_machines(node: ir.Formula | ir.Num) -> Iterator[ir.AnyNode]:
 
 
 def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
-    """The formulas of which a formula over the run is put together; None for a leaf."""
+    """The formulas of which a formula over the run is put together; None for a leaf.
+
+    Of a cycle in which nothing was driven, nothing is known of what was, and all else: what joins both is put together, too.
+    """
     if not over_run(node):
-        return None
+        return _joined(node)
     match node:
         case _ if recalls(node):
             return tuple(guard for kept in recalled(node) for guard in kept.machine.guards)
@@ -91,6 +95,25 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
             return (node.body,) if node.guard is None else (node.guard, node.body)
         case _:
             raise AssertionError(f"{type(node).__name__} is put together from no formulas over the run")
+
+
+@lru_cache(maxsize=4096)
+def _joined(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
+    match node:
+        case ir.Not():
+            return None if _joined(node.operand) is None else (node.operand,)
+        case ir.Connective():
+            sides = node.left, node.right
+            apart = _of_driven(node.left) != _of_driven(node.right)
+            return sides if apart or any(_joined(side) is not None for side in sides) else None
+        case _:
+            return None
+
+
+def _of_driven(node: ir.Formula) -> bool:
+    from trackmarshal.ir.reads import DRIVEN, reads  # which looks for what this module knows
+
+    return any(signal in DRIVEN for signal, _ in reads(node))
 
 
 def leaves(

@@ -8,6 +8,11 @@ from typing import assert_never
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import outside_machines, sets
 
+#: The signal that a candidate stands for, and the driving trajectory, for rules of both candidates: what the car follows until the next decision. In
+#: earlier cycles, what was driven.
+PLAN, FOLLOWED = "plan", "driving"
+DRIVEN = frozenset((PLAN, FOLLOWED))
+
 
 def reads(formula: ir.Formula | ir.Num | ir.Machine | None) -> frozenset[tuple[str, str]]:
     """Which fields of which signals a formula reads, or a state machine."""

@@ -32,7 +32,7 @@ Rule = tuple[list[Clause], Formula, bool]
 def of_the_plan(writer: Writer, scope: Scope) -> Formula:
     """Asks for what is, or was, driven: a quantifier over its samples, undefined where nothing was, or whether it is the emergency trajectory.
 
-    Beside other formulas about the same cycle, it would make all of them undefined: it stands below an operator of its own.
+    Inside a quantifier over a set, all of that would be undefined, also where the set is empty: it stands below an operator of its own there.
     """
     dice = writer.dice
     if dice.random() < 0.3:
@@ -50,7 +50,9 @@ def of_the_plan(writer: Writer, scope: Scope) -> Formula:
     def asked(env: Env) -> Value:
         return UNKNOWN if env["cycles"][env["k"]]["plan"] is None else bound.of(env)
 
-    return Formula(f"(once[0 s, 0 s] ({bound.text}))", 5, asked, bound.free - {"plan"}, bound.dims)
+    inside = any(of == "objects" for _, of in scope.records)
+    text = f"(once[0 s, 0 s] ({bound.text}))" if inside else f"({bound.text})"
+    return Formula(text, 5, asked, bound.free - {"plan"}, bound.dims)
 
 
 class Cycle(NamedTuple):

@@ -2,16 +2,15 @@
 
 # implements S-1-B-1: each demand on the input is an entry of a table
 
+from trackmarshal.ir.reads import FOLLOWED, PLAN
 from trackmarshal.runtime.contract.checks import KINDS, Check, Kind
 from trackmarshal.runtime.contract.conditions import Condition
 from trackmarshal.runtime.contract.signals import (
     EGO,
     EVENT,
-    FOLLOWED,
     ID,
     IS_EMERGENCY,
     LINES,
-    PLAN,
     RECORD,
     SET,
     TIMELINE,

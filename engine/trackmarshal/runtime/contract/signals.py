@@ -6,16 +6,15 @@ from collections.abc import Iterable, Sequence
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import over_run
+from trackmarshal.ir.reads import FOLLOWED, PLAN
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
 from trackmarshal.runtime.contract.tracks import Places, corridors_of, places_of
 from trackmarshal.source import SourceFile, Span
 
-#: The signal that a candidate stands for, the car's own state, and the event that tells the candidates apart.
-PLAN, EGO, IS_EMERGENCY = "plan", "ego", "emergency"
-#: The driving trajectory, for rules of both candidates: what the car follows until the next decision.
-FOLLOWED = "driving"
+#: The car's own state, and the event that tells the candidates apart.
+EGO, IS_EMERGENCY = "ego", "emergency"
 #: What the Supervisor itself reads, in SI units.
 _PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
 _EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}

@@ -19,10 +19,9 @@ from trackmarshal.backends.c.over_run.pairs import Pairs
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, TALLY, finished, remembers
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import over_run, recalls
-from trackmarshal.ir.reads import reads_itself
+from trackmarshal.ir.overrun import parts, recalls
+from trackmarshal.ir.reads import DRIVEN, reads_itself
 from trackmarshal.ir.spec import SignalType
-from trackmarshal.runtime.contract import FOLLOWED, PLAN
 
 #: Sorts of windows: what they keep, what an empty one comes to, how newer and older items are joined, what a gap and what anything may be.
 _CASES: dict[str, Any] = {"value": "tm_cases", "gap": "tm_unknown_any()", "unknown": "tm_unknown_any()"}
@@ -217,7 +216,7 @@ class _Noting(Writer):
     _inside = False
 
     def formula(self, node: ir.Formula, scope: c.Scope, role: str = "holds", named: bool = False) -> c.Expr:
-        if self._inside or (over_run(node) and not recalls(node)):
+        if self._inside or (parts(node) is not None and not recalls(node)):
             return super().formula(node, scope, role, named)
         self._inside = True
         made = super().formula(node, scope, role, named)
@@ -239,7 +238,7 @@ class _Noting(Writer):
 
 def _of_plan(node: ir.Formula | ir.Num) -> bool:
     """Whether something reads the trajectory that is driven, but for what decides the states of machines."""
-    return any(signal in (PLAN, FOLLOWED) for signal, _ in reads_itself(node))
+    return any(signal in DRIVEN for signal, _ in reads_itself(node))
 
 
 def _note(plan: Layout) -> c.Function:
