@@ -76,6 +76,26 @@ def test_it_remembers_what_was_seen(backend: str) -> None:
     assert rig.step().safe
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    "clause", ["exists o in objects", "for all o in objects", "for nearest o in objects by o.x"]
+)
+@pytest.mark.parametrize("require", ["next not flag", "o.x > 3 m or next not flag"])
+def test_who_was_there_is_known_again_where_it_is_decided_later(
+    require: str, clause: str, backend: str
+) -> None:
+    """Also where what looks ahead is not about the element: generated C read the ids of a set of which it had none."""
+    rig = Rig(f'rule later ""\n  {clause}\n  require {require}\n', backend)
+    for ids in ([], [1], [2, 1], [2]):
+        decision = rig.step(objects={"id": ids, "x": [float(one) for one in ids]})
+        assert decision.faults == ()
+    assert decision.safe
+    decision = rig.step(objects={"x": [1.0]})
+    assert [(name_of(fault), fault.signal, fault.field) for fault in decision.faults] == [
+        ("missing", "objects", "id")
+    ]
+
+
 NEVER_DRIVEN = """state gear : { low, high } starts low
   becomes high from low when ego.v > 100 m/s
   becomes low from high when plan.last.v < 1 m/s

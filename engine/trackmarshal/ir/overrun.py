@@ -167,6 +167,12 @@ def _free(root: ir.AnyNode) -> set[ir.Axis]:
     return found
 
 
+@lru_cache(maxsize=4096)
+def looks_ahead(node: ir.Formula) -> bool:
+    """Whether a formula says something of cycles after its own."""
+    return any(isinstance(part, ir.Remembered) and not part.past for part in ir.below(node))
+
+
 def ahead(node: ir.Formula) -> int | None:
     """How many nanoseconds after a cycle a formula about it can still change; None: for ever. Cycles that `next` waits for are not counted."""
     below = parts(node)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import outside_machines, sets
+from trackmarshal.ir.overrun import looks_ahead, outside_machines, sets
 
 #: The signal that a candidate stands for, and the driving trajectory, for rules of both candidates: what the car follows until the next decision. In
 #: earlier cycles, what was driven.
@@ -69,6 +69,10 @@ def _read_by(nodes: Iterable[ir.AnyNode]) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
+            case ir.Quantify() if node.axis.kind == "elements" and looks_ahead(node):
+                result.add(
+                    (node.axis.signal, "id")
+                )  # of a cycle that is decided later, it is kept who was there
             case ir.Scaled() | ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                 pass
             case ir.Machine():

@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from trackmarshal.backends.over_run.asking import Key, asking, operands_of, stepping
-from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalled_of, recalls_of, sets_of
+from trackmarshal.backends.over_run.history import parts_of, recalled_of, recalls_of, sets_of
 from trackmarshal.backends.over_run.lives import ANY_CYCLES, Arrivals, Lives
 from trackmarshal.backends.over_run.machines import Possible, begun, unknown, widened
 from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.over_run.windows import Item, Sliding, folding
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import looks_ahead
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
 from trackmarshal.runtime.verdict import Truth
 

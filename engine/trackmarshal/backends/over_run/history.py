@@ -19,7 +19,7 @@ from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import ALWAYS, Known
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
-from trackmarshal.ir.overrun import back, parts, recalled, recalls, sets
+from trackmarshal.ir.overrun import back, looks_ahead, parts, recalled, recalls, sets
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED, connect, greatest, least, negate
 from trackmarshal.runtime.verdict import Bound, Truth
@@ -76,12 +76,6 @@ recalled_of = cache(recalled)
 def parts_ahead(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
     """The parts of a formula that looks ahead; None of one that looks back alone, or not at all: that is settled in its own cycle."""
     return parts_of(node) if looks_ahead(node) else None
-
-
-@cache
-def looks_ahead(node: ir.Formula) -> bool:
-    """Whether a formula says something of cycles after its own."""
-    return any(isinstance(part, ir.Remembered) and not part.past for part in ir.below(node))
 
 
 #: What operators make of cycles that are no longer there, with what has to hold since then.

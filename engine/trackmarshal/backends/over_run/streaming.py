@@ -12,7 +12,6 @@ from trackmarshal.backends.over_run.history import (
     Earlier,
     History,
     Past,
-    looks_ahead,
     parts_ahead,
     sets_of,
     values_of,
@@ -31,7 +30,7 @@ from trackmarshal.backends.over_run.saving import (
     saved_cycles,
 )
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import back, leaves
+from trackmarshal.ir.overrun import back, leaves, looks_ahead
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import TRUE
 from trackmarshal.runtime.saving import Piece, Pieces

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from trackmarshal.backends.over_run.history import looks_ahead, parts_ahead
+from trackmarshal.backends.over_run.history import parts_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import ahead, back, leaves, sets
+from trackmarshal.ir.overrun import ahead, back, leaves, looks_ahead, sets
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.source import Span
 

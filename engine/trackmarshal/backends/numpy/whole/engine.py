@@ -14,8 +14,9 @@ from trackmarshal.backends.numpy.whole.opening import Ahead
 from trackmarshal.backends.numpy.whole.outcomes import Outcome, Saying, at_once, following
 from trackmarshal.backends.numpy.whole.past import Operator, operator
 from trackmarshal.backends.numpy.whole.values import Bools
-from trackmarshal.backends.over_run.history import looks_ahead, parts_of, recalls_of, sets_of
+from trackmarshal.backends.over_run.history import parts_of, recalls_of, sets_of
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import looks_ahead
 from trackmarshal.ir.spec import RuleInfo
 
 
