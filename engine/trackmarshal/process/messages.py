@@ -192,7 +192,7 @@ def rounded(column: Any) -> bool:
         return False
     # What an array holds says by itself what it is of, below a mask, too; what a buffer holds has become a double.
     of = "" if hasattr(column, "dtype") else _short(column)
-    return any(_lost(one, of or _short(one)) for one in column)
+    return any(_lost(one, of or _short(one)) for one in column if of or type(one) not in PLAIN)
 
 
 def _lost(one: Any, code: str) -> bool:
