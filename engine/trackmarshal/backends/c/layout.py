@@ -15,6 +15,7 @@ from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.ir.tables import LINEAR_CLAMP
+from trackmarshal.runtime.contract.signals import ID
 
 
 @dataclass(frozen=True)
@@ -84,6 +85,9 @@ class Layout:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
         self.future = future_of(self.rules, self._same.formula)
+        asked = {signal for rule in self.rules for signal, name in rule.reads if name == ID}
+        if unasked := self._known_again - asked:  # where there are none, a program would read them all the same
+            raise AssertionError(f"no door asks for the ids of {sorted(unasked)}")
 
     def same(self, node: ir.Formula) -> ir.Formula:
         """The one formula of those that say the same."""
