@@ -865,6 +865,24 @@ class JoinsConditions(Diagnostic):
     op: str
 
 
+class NeverStarts(Diagnostic):
+    code = "W312"
+    title = "a rule with which a Supervisor never starts"
+    level = "warning"
+    text = "nothing meets this demand as long as nothing was driven"
+    label = "it asks for the `plan` of earlier cycles, of which there is none"
+    remedy = (
+        "say where it does not count, as in `ego.v < 1 m/s or ...`, or say in the rule why this is meant: "
+        '`allow W312 because "..."`'
+    )
+    explanation = (
+        "In earlier cycles, `plan` is what was driven. Where that was nothing, it is undefined, and so is what asks for nothing else, as "
+        "`historically[0 s, 1 s] plan.first.v < 5 m/s`: a Supervisor whose first cycle is not safe then drives in none, because nothing was driven before."
+    )
+
+    span: Span
+
+
 class GoesOn(Diagnostic):
     code = "W308"
     title = "a temporal operator that goes on behind parentheses"

@@ -27,6 +27,7 @@ from trackmarshal.semantics.errors import (
 )  # fmt: skip
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline, names_in
 from trackmarshal.semantics.overrun import misused, misused_along
+from trackmarshal.semantics.starting import never_starts
 from trackmarshal.semantics.vacuity import vacuous
 from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
 from trackmarshal.source import Span
@@ -118,6 +119,7 @@ class RuleBuilder:
                 self.x.too_deep(item.span.head)
                 return None
             self.x.found += vacuous(core, rule, self.x.bounds)
+            self.x.found += never_starts(core, rule)
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None

@@ -86,7 +86,8 @@ class Layout:
         self.kept = cells_of(self.rules, self._same.formula)
         self.future = future_of(self.rules, self._same.formula)
         asked = {signal for rule in self.rules for signal, name in rule.reads if name == ID}
-        if unasked := self._known_again - asked:  # where there are none, a program would read them all the same
+        unasked = self._known_again - asked
+        if unasked:  # a program would read ids that are not there
             raise AssertionError(f"no door asks for the ids of {sorted(unasked)}")
 
     def same(self, node: ir.Formula) -> ir.Formula:
