@@ -10,7 +10,7 @@ import pytest
 import trackmarshal as tm
 from property.test_fourth_supervisor import OPEN, cycles
 from support.fourth.remembering import machine
-from support.fourth.supervising import of_the_plan
+from support.fourth.supervising import TOLD, of_the_plan
 from support.fourth.writing import Writer
 from support.length import amount
 from trackmarshal.backends.c.build import compiler
@@ -33,7 +33,7 @@ def written(seed: int) -> tuple[Writer, Spec | None]:
     held = f" capacity 4 forget {writer.dice.choice([0, 0.35])!r} s"
     declared = [one + held * one.startswith("signal objects") for one in writer.declared]
     try:
-        return writer, loads("\n".join([*declared, 'event emergency "e"', *lines]) + "\n")
+        return writer, loads("\n".join([*declared, TOLD, *lines]) + "\n")
     except Diagnostics as error:
         assert {one.code for one in error.items} <= REFUSED, error
         return writer, None

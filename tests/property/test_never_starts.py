@@ -8,7 +8,7 @@ import pytest
 
 from property.test_ahead_supervisor import decided
 from support.fourth.remembering import machine
-from support.fourth.supervising import Cycle, of_the_plan
+from support.fourth.supervising import TOLD, Cycle, of_the_plan
 from support.fourth.writing import Writer
 from support.length import amount
 from trackmarshal.semantics.compile import compile_text
@@ -23,16 +23,16 @@ FOR = 1.4
 
 def test_what_is_warned_of_never_starts() -> None:
     warned = started = 0
-    for seed in range(100, amount(210, 6000)):
+    for seed in amount((5, 10, 15, 278, 288, 293), range(6000)):
         writer = Writer(seed, "run", True)
         writer.asks.append(lambda scope, writer=writer: of_the_plan(writer, scope))
         machine(writer, 0, 2)
         rules = [writer.rule(f"f{number}", 2)[0] for number in range(2)]
-        compiled = compile_text("\n".join([*writer.declared, 'event emergency "e"', HELD, *rules]) + "\n")
+        compiled = compile_text("\n".join([*writer.declared, TOLD, HELD, *rules]) + "\n")
         if compiled.errors:
             continue
         never = any(found.code == "W312" for found in compiled.found)
-        if not never and seed % 10:
+        if not never and seed % 5:
             continue
         states = {state for state, _ in decided(compiled.spec, "numpy", held(writer))}
         if never:

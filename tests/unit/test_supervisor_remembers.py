@@ -135,6 +135,29 @@ def test_a_rule_says_where_what_was_driven_does_not_count(rule: str, backend: st
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+def test_rules_are_told_in_which_cycles_something_was_driven(backend: str) -> None:
+    """Of both candidates it is so that they would be driven; of a past cycle, what came of it, whatever somebody says in `signals`."""
+    rig = Rig(
+        'event driven ""\n'
+        'rule moves "" require ego.v > 3 m/s\n'
+        'rule would_be "" require driven\n'
+        'rule never_twice "" require count(driven, last: 10 s) <= 3\n', backend,
+    )  # fmt: skip
+    standing = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 2.0}
+    for said in (True, False):
+        assert {rule for rule, _, _ in names(rig.step(ego=standing, driven=said))} == {"moves"}
+    for said in (True, False, None):
+        told = {} if said is None else {"driven": said}
+        assert rig.step(**told).safe
+    decision = rig.step()
+    assert names(decision) == [
+        ("never_twice", "driving", "violated"),
+        ("never_twice", "emergency", "violated"),
+    ]
+    assert decision.state == "previous_emergency"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_see_what_was_driven(backend: str) -> None:
     """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""
     rig = Rig(

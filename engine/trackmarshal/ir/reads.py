@@ -12,6 +12,8 @@ from trackmarshal.ir.overrun import looks_ahead, outside_machines, sets
 #: earlier cycles, what was driven.
 PLAN, FOLLOWED = "plan", "driving"
 DRIVEN = frozenset((PLAN, FOLLOWED))
+#: The event that tells the candidates apart, and the one that tells cycles in which something is driven from those in which nothing was.
+IS_EMERGENCY, IS_DRIVEN = "emergency", "driven"
 
 
 def reads(formula: ir.Formula | ir.Num | ir.Machine | None) -> frozenset[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import Columns, Frame
@@ -42,7 +42,7 @@ def driving(frame: Frame, driven: Plan | None, t: float) -> Frame:
     if not frame.candidates:
         return frame
     emergency = driven is not None and driven.candidate == EMERGENCY
-    events = {**frame.events, IS_EMERGENCY: int(emergency)}
+    events = {**frame.events, IS_EMERGENCY: int(emergency), IS_DRIVEN: int(driven is not None)}
     columns, faults = dict(frame.columns), list[Fault]()
     if driven is None:
         faults = [fault("missing", name) for name in (PLAN, FOLLOWED)]

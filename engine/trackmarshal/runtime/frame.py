@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from trackmarshal.runtime.contract import FOLLOWED, ID, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, ID, IS_DRIVEN, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.faults import UNUSABLE, Fault, name_of
 from trackmarshal.runtime.lines import Line
@@ -290,8 +290,9 @@ class Frame:
         faults += [
             Fault(f.code, PLAN, f.field, f.index, f.message) for f in self.faults if f.signal == candidate
         ]
+        told = {IS_EMERGENCY: int(candidate == EMERGENCY), IS_DRIVEN: 1}
         return Frame(
-            candidate, self.settings, columns, {**self.events, IS_EMERGENCY: int(candidate == EMERGENCY)}, self.lines, self.closed, {},
+            candidate, self.settings, columns, {**self.events, **told}, self.lines, self.closed, {},
             faults, self.orders, t=self.t, number=self.number, lanes=self.lanes,
         )  # fmt: skip
 

@@ -96,6 +96,7 @@ class Recording:
             "obstacles": self.obstacles,
             "track": self.track,
             "emergency": candidate == "emergency",
+            "driven": True,
             **self.always,
             **cycle.more,
         }

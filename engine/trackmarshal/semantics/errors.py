@@ -872,7 +872,7 @@ class NeverStarts(Diagnostic):
     text = "nothing meets this demand as long as nothing was driven"
     label = "it asks for the `plan` of earlier cycles, of which there is none"
     remedy = (
-        "say where it does not count, as in `ego.v < 1 m/s or ...`, or say in the rule why this is meant: "
+        "say where it does not count, as in `not driven or ...` with an `event driven`, or say in the rule why this is meant: "
         '`allow W312 because "..."`'
     )
     explanation = (

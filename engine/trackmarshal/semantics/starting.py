@@ -12,7 +12,7 @@ from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import ConnectiveOp
 from trackmarshal.ir.overrun import looks_ahead, over_run, recalls
-from trackmarshal.ir.reads import DRIVEN, reads
+from trackmarshal.ir.reads import DRIVEN, IS_DRIVEN, IS_EMERGENCY, reads
 from trackmarshal.lowering.rules import Lowered
 from trackmarshal.semantics.errors import NeverStarts
 
@@ -46,6 +46,10 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
             return frozenset(_TRUE - each for each in _may_be(node.operand, present))
         case ir.Connective():
             return _joined(node.op, _may_be(node.left, present), _may_be(node.right, present))
+        case ir.Flag() if node.signal == IS_DRIVEN:
+            return frozenset((_TRUE if present else _FALSE,))
+        case ir.Flag() if node.signal == IS_EMERGENCY and not present:
+            return frozenset((_FALSE,))
         case _ if not over_run(node):
             return _KNOWN if present or not _asks_what_was_driven(node) else frozenset((_UNKNOWN,))
         case ir.Guarded():

@@ -25,17 +25,22 @@ from support.fourth.meaning import field as column
 from support.fourth.running import scales
 from support.fourth.writing import SHADES, SPEED, M, Scope, Writer
 
+#: What a Supervisor tells rules of each cycle.
+TOLD = 'event emergency "e"\nevent driven "d"'
 #: A rule as its clauses, its demand, and whether it is advisory.
 Rule = tuple[list[Clause], Formula, bool]
 
 
 def of_the_plan(writer: Writer, scope: Scope) -> Formula:
-    """Asks for what is, or was, driven: a quantifier over its samples, undefined where nothing was, or whether it is the emergency trajectory.
+    """Asks for what is, or was, driven: a quantifier over its samples, undefined where nothing was, or whether it is the emergency trajectory,
+    or anything at all.
 
     Inside a quantifier over a set, all of that would be undefined, also where the set is empty: it stands below an operator of its own there.
     """
     dice = writer.dice
-    if dice.random() < 0.3:
+    if dice.random() < 0.15:
+        return Formula("driven", 5, lambda env: FALSE if env["cycles"][env["k"]]["plan"] is None else TRUE)
+    if dice.random() < 0.2:
         return Formula("emergency", 5, lambda env: TRUE if env["cycles"][env["k"]]["emergency"] else FALSE)
     name = f"s{writer.dice.randrange(10**6)}"
     rng = Range((name,), "plan")

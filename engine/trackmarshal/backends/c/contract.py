@@ -13,6 +13,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import (
     EVENT,
     FOLLOWED,
+    IS_DRIVEN,
     IS_EMERGENCY,
     LINES,
     PLAN,
@@ -76,7 +77,7 @@ def supervised_layout(spec: Spec, rules: Sequence[RuleInfo]) -> tuple[Layout, Su
     contract = of_cycles(spec, rules)
     inputs = [signal.name for signal in contract.signals if signal.form not in (LINES, EVENT)]
     plan = layout(spec, rules, (PLAN, *inputs))
-    known = {PLAN, FOLLOWED, IS_EMERGENCY, *(signal.name for signal in contract.signals)}
+    known = {PLAN, FOLLOWED, IS_EMERGENCY, IS_DRIVEN, *(signal.name for signal in contract.signals)}
     if not plan.inputs.keys() <= known:
         raise AssertionError(f"rules read {', '.join(plan.inputs.keys() - known)} without saying so")
     assert contract.plan is not None

@@ -10,7 +10,7 @@ from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.rules import GroupCode, RuleCode
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
 
 
 def of_candidate(rule: RuleInfo) -> bool:
@@ -88,9 +88,10 @@ def driven(plan: Layout, given: Supervised) -> Iterator[str]:
     for signal in given.events:
         if signal.name in plan.inputs:
             yield f"  given.{given.signals[signal.name]} = cycle->signals.{given.signals[signal.name]};"
-    told = plan.inputs.get(IS_EMERGENCY)
-    if told is not None:
-        yield f"  given.{told.c_name} = TM_FALSE;"
+    for name, said in ((IS_EMERGENCY, "TM_FALSE"), (IS_DRIVEN, "TM_TRUE")):
+        told = plan.inputs.get(name)
+        if told is not None:
+            yield f"  given.{told.c_name} = {said};"
 
 
 def _followed(plan: Layout, given: Supervised) -> Iterator[str]:

@@ -18,7 +18,7 @@ from trackmarshal.ir.margins import undecided
 from trackmarshal.ir.overrun import leaves, over_run
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.course import Courses, Lived
 from trackmarshal.runtime.cycle import DRIVING
 from trackmarshal.runtime.driven import as_driven, drives_on, driving, in_doubt
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 #: Verdicts' places in VERDICTS.
 _CODES = {name: code for code, name in enumerate(VERDICTS)}
 #: What depends on the candidate that is rated, or driven.
-_OF_CANDIDATES = frozenset((PLAN, FOLLOWED, IS_EMERGENCY))
+_OF_CANDIDATES = frozenset((PLAN, FOLLOWED, IS_EMERGENCY, IS_DRIVEN))
 
 
 #: Cycles ahead for which it is guessed that they drive what is driven now: an emergency trajectory is driven for several, and to evaluate some at

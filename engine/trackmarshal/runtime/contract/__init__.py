@@ -2,14 +2,13 @@
 
 # implements S-1-B-1: each demand on the input is an entry of a table
 
-from trackmarshal.ir.reads import FOLLOWED, PLAN
+from trackmarshal.ir.reads import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.contract.checks import KINDS, Check, Kind
 from trackmarshal.runtime.contract.conditions import Condition
 from trackmarshal.runtime.contract.signals import (
     EGO,
     EVENT,
     ID,
-    IS_EMERGENCY,
     LINES,
     RECORD,
     SET,
@@ -23,6 +22,6 @@ from trackmarshal.runtime.contract.signals import (
 )
 
 __all__ = [
-    "EGO", "EVENT", "FOLLOWED", "ID", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
+    "EGO", "EVENT", "FOLLOWED", "ID", "IS_DRIVEN", "IS_EMERGENCY", "KINDS", "LINES", "PLAN", "RECORD", "SET", "TIMELINE", "Check", "Condition", "Contract", "Field",
     "Kind", "Signal", "of_cases", "of_cycles", "supervised",
 ]  # fmt: skip

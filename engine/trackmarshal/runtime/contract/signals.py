@@ -6,15 +6,15 @@ from collections.abc import Iterable, Sequence
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import over_run
-from trackmarshal.ir.reads import FOLLOWED, PLAN
+from trackmarshal.ir.reads import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
 from trackmarshal.runtime.contract.tracks import Places, corridors_of, places_of
 from trackmarshal.source import SourceFile, Span
 
-#: The car's own state, and the event that tells the candidates apart.
-EGO, IS_EMERGENCY = "ego", "emergency"
+#: The car's own state.
+EGO = "ego"
 #: What the Supervisor itself reads, in SI units.
 _PLAN_FIELDS = {"t": "s", "x": "m", "y": "m", "heading": "rad", "v": "m/s"}
 _EGO_FIELDS = {"x": "m", "y": "m", "heading": "rad"}
@@ -120,12 +120,12 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
             "E482", "all of its rules are advisory, so that none decides", help="give one another severity"
         )
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
-    own = {PLAN, FOLLOWED}
+    own, told = {PLAN, FOLLOWED}, {IS_EMERGENCY, IS_DRIVEN}
     named = {signal for rule in rules for signal, field in rule.reads if field == ID}
     signals = [
         _signal(info, None, name in named) for name, info in spec.signals.items() if name in read - own
     ]
-    events = [_event(name) for name in spec.events if name in read and name != IS_EMERGENCY]
+    events = [_event(name) for name in spec.events if name in read - told]
     plan = _signal(spec.signals[PLAN], None)
     tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events
     return Contract(

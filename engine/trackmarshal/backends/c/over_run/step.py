@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.judging import driven
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY
+from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY
 
 #: The end of a step, before which what was decided is remembered; and how.
 END = """  if (!out->safe) {
@@ -60,6 +60,9 @@ def commit(plan: Layout, given: Supervised) -> Iterator[str]:
     if told is not None:
         yield f"    given.{told.c_name} = TM_TRUE;"
     yield "  }"
+    told = plan.inputs.get(IS_DRIVEN)
+    if told is not None:
+        yield f"  given.{told.c_name} = (out->driven != TM_DRIVE_NOTHING) ? TM_TRUE : TM_FALSE;"
     yield "  tm_remember_cycle(c, &given, out->driven != TM_DRIVE_NOTHING);"
     yield "}"
     yield ""
