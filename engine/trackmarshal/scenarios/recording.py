@@ -96,7 +96,6 @@ class Recording:
             "obstacles": self.obstacles,
             "track": self.track,
             "emergency": candidate == "emergency",
-            "driven": True,
             **self.always,
             **cycle.more,
         }

@@ -119,7 +119,9 @@ class RuleBuilder:
                 self.x.too_deep(item.span.head)
                 return None
             self.x.found += vacuous(core, rule, self.x.bounds)
-            self.x.found += never_starts(core, rule)
+            parts = core.formula, core.active
+            over_run = misused(*parts) if core.along is None else misused_along(core.along, *parts)
+            self.x.found += never_starts(core, rule) if over_run is None else [over_run]
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
@@ -132,10 +134,6 @@ class RuleBuilder:
                 core, unit = lower_rule(rule, self.interner, self.x.scales), SCALED
         formula, active, along = (core.formula, core.active, core.along) if core else (None, None, None)
         course = None if along is None else self.x.courses.get(along.signal)
-        over_run = misused(formula, active) if along is None else misused_along(along, formula, active)
-        if over_run is not None:
-            self.x.found.append(over_run)
-            return None
         return RuleInfo(
             item.name, kind, item.title, self.ctx.scope.module, formula, active, along, unit, tuple(satisfies),
             tuple(assuming), text["source"], text["because"], text["severity"], text["evidence"], text["owner"], _read(formula, course),

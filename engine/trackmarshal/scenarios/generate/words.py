@@ -11,7 +11,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import FieldType, Spec
-from trackmarshal.runtime.contract import FOLLOWED
+from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN
 from trackmarshal.runtime.cycle import DRIVING
 from trackmarshal.scenarios.fields import own_names
 from trackmarshal.scenarios.generate.document import Item
@@ -99,6 +99,8 @@ def values(
         signals = recording.signals(cycle if alone is None else only(cycle, alone), candidate)
         if FOLLOWED in evaluator.spec.signals:
             signals[FOLLOWED] = cycle.candidates[DRIVING]
+        if IS_DRIVEN in evaluator.spec.events:
+            signals[IS_DRIVEN] = True
         frame = evaluator.read({"t": cycle.t, "signals": signals, **settings})
         result = run.step(frame)
         found: list[float | bool] = []
