@@ -270,7 +270,7 @@ def evaluate(
         for line in lines
     )
     Path("cases.jsonl").write_bytes(content)
-    arguments = [
+    arguments: list[str | Path] = [
         "eval",
         SUPERVISOR,
         "--data",
@@ -515,8 +515,8 @@ def test_rules_and_configurations_that_are_not_there() -> None:
         (("--with", "odd.spec"), "E402"), (("--with", "wide.spec"), "E402"), (("--with", "time.spec"), "E402"),
     ):  # fmt: skip
         refused(run("eval", SUPERVISOR, "--data", "cases.jsonl", *arguments), code)
-    for arguments in (("--backend", "fortran"), ("--format", "xml"), ("--nonsense",)):
-        assert run("eval", SUPERVISOR, "--data", "cases.jsonl", *arguments).status == 2
+    for unknown in (("--backend", "fortran"), ("--format", "xml"), ("--nonsense",)):
+        assert run("eval", SUPERVISOR, "--data", "cases.jsonl", *unknown).status == 2
 
 
 def test_unknown_verbs_codes_and_arguments() -> None:
@@ -648,8 +648,10 @@ def test_ctrl_c_while_waiting_for_data(many: Path) -> None:
 
 def test_ctrl_c_during_a_long_replay() -> None:
     recordings = [ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl"] * 200
-    command = (*COMMAND, "replay", *recordings, "--spec", SUPERVISOR, "--format", "jsonl", "--project", ROOT)
-    with started(*command, stderr=subprocess.PIPE) as process:
+    replay: list[str | Path] = ["replay", *recordings, "--spec", SUPERVISOR]
+    with started(
+        *COMMAND, *replay, "--format", "jsonl", "--project", ROOT, stderr=subprocess.PIPE
+    ) as process:
         assert process.stdout is not None
         assert process.stdout.readline().startswith(b'{"scenario": "cut_in"')
         process.send_signal(signal.SIGINT)

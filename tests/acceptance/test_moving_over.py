@@ -84,8 +84,8 @@ class Other(NamedTuple):
         v = self.v + faster * min(late, 0.2)
         before, after = np.minimum(t, late), np.maximum(t - late, 0.0)
         after = np.minimum(after, v / brakes if brakes > 0.0 else np.inf)
-        faster *= np.minimum(before, 0.2) * (before - np.minimum(before, 0.2) / 2)
-        x = self.x + self.v * before + faster + v * after - brakes * after**2 / 2
+        gained = faster * np.minimum(before, 0.2) * (before - np.minimum(before, 0.2) / 2)
+        x = self.x + self.v * before + gained + v * after - brakes * after**2 / 2
         return shapely.polygons(corners(x, np.full(len(t), self.y), np.zeros(len(t)), LENGTH, OTHER_WIDTH))
 
 

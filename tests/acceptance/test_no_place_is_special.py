@@ -81,7 +81,7 @@ WAYS = {
 }
 
 
-def alike(one: Decision, other: Decision, seen: Counter[str]) -> None:
+def alike(one: Decision, other: Decision, seen: Counter[int]) -> None:
     """Margins are the same but for rounding, and so is whatever follows from those that are not all but 0."""
     near = False
     for name, rated in one.judged.rated.items() if one.judged is not None else ():
@@ -107,7 +107,7 @@ def said(decision: Decision) -> tuple[Any, ...]:
 class Both:
     """A Supervisor, and one beside it to which everything is moved."""
 
-    def __init__(self, way: Moved, one: Any, other: Any, seen: Counter[str]) -> None:
+    def __init__(self, way: Moved, one: Any, other: Any, seen: Counter[int]) -> None:
         self._way, self._one, self._other, self._seen = way, one, other, seen
         self._moved: dict[int, Any] = {}
 
@@ -122,11 +122,9 @@ class Both:
 @pytest.mark.acceptance  # recordings moved and turned, every day
 @pytest.mark.parametrize("way", WAYS if AT_LENGTH else ["all at once"])
 def test_whatever_a_planner_proposes(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: Counter[str] = Counter()
+    seen: Counter[int] = Counter()
     made = tm.supervisor
-    monkeypatch.setattr(
-        any_planner.tm, "supervisor", lambda *a, **k: Both(WAYS[way], made(*a, **k), made(*a, **k), seen)
-    )
+    monkeypatch.setattr(tm, "supervisor", lambda *a, **k: Both(WAYS[way], made(*a, **k), made(*a, **k), seen))
     cycles = sum(
         (any_planner.run(shipped(), seed, RULES, cycles=60).seen for seed in range(RUNS)), Counter[str]()
     )

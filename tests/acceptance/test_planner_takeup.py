@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import shapely
 
 from support.dense import car as cars
 from support.dense import recording, sweep
@@ -93,11 +94,9 @@ def test_what_is_approved_can_be_taken_up(name: str, terms: Terms, late: bool, e
 
 def _stands_on(on: Path, station: float, road: Road) -> bool:
     car = limits()
-    place = [np.array([on.at(name, station)]) for name in ("x", "y", "heading")]
+    x, y, heading = (np.array([on.at(name, station)]) for name in ("x", "y", "heading"))
     return bool(
-        sweep.shapely.covers(
-            road.area, sweep.shapely.Polygon(sweep.corners(*place, car.length, car.width)[0])
-        )
+        shapely.covers(road.area, shapely.Polygon(sweep.corners(x, y, heading, car.length, car.width)[0]))
     )
 
 

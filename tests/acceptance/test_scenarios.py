@@ -183,8 +183,8 @@ def test_who_closes_the_door_is_found_by_two_rules_alone() -> None:
 def met_by(other: dict[str, Any], emergency: dict[str, list[float]]) -> bool:
     """Whether a car that goes straight on, and brakes from 0.2 s on, is in one that drives a fallback."""
     t = np.arange(0.0, 0.2 + other["v"] / 13.0, 0.01)
-    columns = (np.interp(t, emergency["t"], emergency[name]) for name in ("x", "y", "heading"))
-    ours = shapely.polygons(corners(*columns, 4.7, 2.8))
+    x, y, heading = (np.interp(t, emergency["t"], emergency[name]) for name in ("x", "y", "heading"))
+    ours = shapely.polygons(corners(x, y, heading, 4.7, 2.8))
     brakes = np.maximum(t - 0.2, 0.0)
     way = other["v"] * np.minimum(t, 0.2) + other["v"] * brakes - 13.0 * brakes**2 / 2
     x, y = (other[axis] + way * turned(other["heading"]) for axis, turned in (("x", np.cos), ("y", np.sin)))

@@ -80,7 +80,7 @@ class Expected:
 Mutation = Callable[[random.Random, Cycle], tuple[Cycle, Expected]]
 
 #: What is no number at all, and what is no finite one.
-JUNK = (
+JUNK: tuple[Any, ...] = (
     "7", b"7", [], {}, object(), True, 1j, (1.0,), float, "nan",
 )  # fmt: skip
 NOT_FINITE = (math.nan, math.inf, -math.inf, None, 10**400, -(10**400))
@@ -255,8 +255,10 @@ def over_capacity(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
 def duplicate(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:
     own = given.signals["objects"]
     objects = {name: np.append(column, column[-1:]) for name, column in own.items() if name != "id"}
-    objects["id"] = [*own["id"], own["id"][-1]]
-    return _with(given, "objects", objects), Expected(("duplicate",), "objects", ("id",), len(own["id"]))
+    ids = [*own["id"], own["id"][-1]]
+    return _with(given, "objects", {**objects, "id": ids}), Expected(
+        ("duplicate",), "objects", ("id",), len(own["id"])
+    )
 
 
 def junk_id(rng: random.Random, given: Cycle) -> tuple[Cycle, Expected]:

@@ -186,9 +186,9 @@ def _columns(
             if _number(value, info, (label, info.name, index), found):
                 break
         if info.increasing:
-            index = next((i for i in range(1, len(column)) if not column[i - 1] < column[i]), None)
-            if index is not None:
-                found.add(("not_increasing", label, info.name, index))
+            later = next((i for i in range(1, len(column)) if not column[i - 1] < column[i]), None)
+            if later is not None:
+                found.add(("not_increasing", label, info.name, later))
     if len(set(lengths.values())) > 1:
         counts = sorted(set(lengths.values()))
         found |= {("wrong_length", label, name, index) for name in lengths for index in counts}

@@ -97,7 +97,7 @@ def excess(runs: Runs, limits: dict[str, float]) -> dict[str, Floats]:
     found: dict[str, Floats] = {name: np.empty(shape) for name in ("stamp", "place", "heading", "speed")}
     for index in np.ndindex(shape):
         plan: dict[str, Any] = {name: column[index] for name, column in runs.plan.items()}
-        car = {name: column[index] for name, column in runs.ego.items()}
+        car = {name: float(column[index]) for name, column in runs.ego.items()}
         for name, value in _excess(plan, car, limits).items():
             found[name][index] = value
     return found

@@ -13,7 +13,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from trackmarshal.ir.arithmetic import apply, arith, compare, margin
-from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.operators import FUNCTIONS, ArithmeticOp, ComparisonOp, FunctionName
 from trackmarshal.ir.tables import LINEAR_CLAMP, read
 
 CORNERS = (
@@ -38,18 +38,18 @@ def ieee(op: str, a: float, b: float) -> float:
 
 
 @pytest.mark.parametrize("op", ["+", "-", "*", "/"])
-def test_every_corner_is_that_of_the_processor(op: str) -> None:
+def test_every_corner_is_that_of_the_processor(op: ArithmeticOp) -> None:
     for a, b in product(CORNERS, CORNERS):
         assert bits(arith(op, a, b)) == bits(ieee(op, a, b)), (a, op, b)
 
 
 @given(st.sampled_from("+-*/"), anything, anything)
-def test_arithmetic_is_that_of_the_processor(op: str, a: float, b: float) -> None:
+def test_arithmetic_is_that_of_the_processor(op: ArithmeticOp, a: float, b: float) -> None:
     assert bits(arith(op, a, b)) == bits(ieee(op, a, b))
 
 
 @given(st.sampled_from("+-*/"), finite, finite)
-def test_arithmetic_rounds_the_exact_value_once(op: str, a: float, b: float) -> None:
+def test_arithmetic_rounds_the_exact_value_once(op: ArithmeticOp, a: float, b: float) -> None:
     if op == "/" and b == 0.0:
         return
     x, y = Fraction(a), Fraction(b)
@@ -62,7 +62,7 @@ def test_arithmetic_rounds_the_exact_value_once(op: str, a: float, b: float) -> 
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_nan_in_nan_out(name: str) -> None:
+def test_nan_in_nan_out(name: FunctionName) -> None:
     for place in range(FUNCTIONS[name].arity):
         for other in (0.0, 1.0, math.inf):
             args = [other] * FUNCTIONS[name].arity
@@ -71,7 +71,7 @@ def test_nan_in_nan_out(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_no_corner_raises(name: str) -> None:
+def test_no_corner_raises(name: FunctionName) -> None:
     for args in product(CORNERS, repeat=FUNCTIONS[name].arity):
         assert isinstance(apply(name, args), float)
 
@@ -95,7 +95,7 @@ def test_no_corner_raises(name: str) -> None:
     ],
 )  # fmt: skip
 def test_functions_have_the_values_of_their_definitions(
-    name: str, args: tuple[float, ...], value: float
+    name: FunctionName, args: tuple[float, ...], value: float
 ) -> None:
     assert bits(apply(name, args)) == bits(value)
 
@@ -116,7 +116,7 @@ def test_the_floor_is_the_whole_number_below(x: float) -> None:
 @given(st.sampled_from(COMPARISONS), finite, finite)
 @example("<", 0.0, -0.0)
 @example("<=", 0.1 + 0.2, 0.3)
-def test_comparisons_are_exact(op: str, a: float, b: float) -> None:
+def test_comparisons_are_exact(op: ComparisonOp, a: float, b: float) -> None:
     x, y = Fraction(a), Fraction(b)
     exact = {"<": x < y, "<=": x <= y, "==": x == y, "!=": x != y}[op]
     assert compare(op, a, b) is exact
@@ -124,7 +124,7 @@ def test_comparisons_are_exact(op: str, a: float, b: float) -> None:
 
 @given(st.sampled_from(COMPARISONS), finite, finite)
 @example("<", 1e308, -1e308)
-def test_margins_are_the_distance_rounded_once(op: str, a: float, b: float) -> None:
+def test_margins_are_the_distance_rounded_once(op: ComparisonOp, a: float, b: float) -> None:
     x, y = Fraction(a), Fraction(b)
     inside = {"<": y - x, "<=": y - x, "==": -abs(x - y), "!=": abs(x - y)}[op]
     found = margin(op, a, b)

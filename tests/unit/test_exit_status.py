@@ -304,7 +304,8 @@ def assessed(expect: str, *cycles: dict[str, Any], more: str = "") -> tuple[int,
     return status, out + err
 
 
-SAFE, UNSAFE = {"static": True}, {"static": False}
+SAFE: Truth = {"static": True}
+UNSAFE: Truth = {"static": False}
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ def said(decisions: list[Decision]) -> list[tuple[str, list[str]]]:
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("rules", RULES)
 def test_a_stamp_out_of_reach_is_a_fault_of_the_cycle(rules: str, backend: str) -> None:
-    safe, far = ("drive", []), ["out_of_range cycle.t"]
+    safe, far = ("drive", list[str]()), ["out_of_range cycle.t"]
     decisions = run(RULES[rules], FURTHEST - 0.25, backend)
     assert said(decisions) == [safe] * 3 + [("previous_emergency", far)] * 3
     assert f"{decisions[3].t!r} s at " in decisions[3].faults[0].message

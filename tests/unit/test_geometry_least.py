@@ -72,7 +72,7 @@ def test_trajectories_inside(course: Corridor) -> None:
 
 def test_along_curves(course: Corridor) -> None:
     generator = np.random.default_rng(2)
-    drawn = [generator.uniform(*ends, 300) for ends in ((0, 6), (98, 102), (-0.1, 0.1))]
+    drawn = [generator.uniform(low, high, 300) for low, high in ((0, 6), (98, 102), (-0.1, 0.1))]
     for step in (1.0, 2.5, 6.0):  # in one piece each; in several
         found = judged(course, [trip(a, r, d, step) for a, r, d in zip(*drawn)], 0.01)
         agreed(*found)
@@ -97,7 +97,7 @@ def test_in_tight_bends_few_ways_are_worked_out() -> None:
     """Of up to as many pieces as there are, now and then beside what the curvatures say; as often in a bend as not."""
     generator = np.random.default_rng(3)
     course = Corridor(ring(10.0), ring(22.0), closed=True)
-    drawn = [generator.uniform(*ends, 100) for ends in ((0, 6), (14, 18), (-0.05, 0.05), (0.1, 3.0))]
+    drawn = [generator.uniform(low, high, 100) for low, high in ((0, 6), (14, 18), (-0.05, 0.05), (0.1, 3.0))]
     trips = [trip(*values) for values in zip(*drawn)]
     sizes = []
     looked_at = Region.margin_along
@@ -215,7 +215,7 @@ def test_vehicles_of_different_sizes(course: Corridor) -> None:
     found, exact = course.least_inside(
         (*poses, *poses, length, width), COUNT, np.ones(truth.size, dtype=np.bool_)
     )
-    agreed(*(part.reshape(-1, COUNT) for part in (truth, found, exact)))
+    agreed(truth.reshape(-1, COUNT), found.reshape(-1, COUNT), exact.reshape(-1, COUNT))
 
 
 def test_groups_are_searched_a_few_at_a_time(course: Corridor) -> None:

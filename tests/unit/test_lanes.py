@@ -54,7 +54,7 @@ def refused(*lanelets: Lanelet) -> TrackmarshalError:
         (Lanelet(1, [("0", "1"), ("9", "1")], [(0, 0), (9, 0)]), "the left bound is no list of points: not a number"),  # type: ignore[list-item]
         (Lanelet(1, [(0, True), (9, True)], [(0, 0), (9, 0)]), "the left bound is no list of points: not a number"),
         (Lanelet(1, np.array([(0, 5.3e6), (9, 5.3e6)], np.float32), [(0, 0), (9, 0)]), "float32 has no two numbers nearer than 0.5 m"),  # type: ignore[arg-type]
-        (Lanelet(1, np.ma.masked_array([(0, 1), (9, 1)], [(0, 0), (0, 1)]), [(0, 0), (9, 0)]), "point 1 of the left bound is not finite"),
+        (Lanelet(1, np.ma.masked_array([(0, 1), (9, 1)], [(False, False), (False, True)]), [(0, 0), (9, 0)]), "point 1 of the left bound is not finite"),  # type: ignore[arg-type]
         (Lanelet(1, [(0, 1), (9, -1)], [(0, 0), (9, 0)]), "the bounds cross"),
         (Lanelet(1, [(9, 1), (0, 1)], [(0, 0), (9, 0)]), "the bounds lead opposite ways"),
         (Lanelet(1, [(0, 0), (9, 0)], [(0, 1), (9, 1)]), "the left bound is not on the left"),
@@ -241,7 +241,7 @@ def test_across_a_lane() -> None:
         ([replace(CAR, width=0.0)], "vehicle 1 has a width of 0.0"),
         ([CAR, replace(CAR, number=2, y=30.0)], "vehicle 2 touches no lanelet"),
         (
-            [CAR, replace(CAR, number=2, y=np.float32(5.3e6))],
+            [CAR, replace(CAR, number=2, y=np.float32(5.3e6))],  # type: ignore[arg-type]
             "vehicle 2: float32 has no two numbers nearer than 0.5 m",
         ),
     ],

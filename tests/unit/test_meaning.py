@@ -25,8 +25,8 @@ def prints(root: Path) -> tuple[Prints, Spec]:
     compiled, prepared, found = read_specs(root, requirements.load(root, []))
     assert [item for item in found if item.level == "error"] == []
     meaning = Meaning(compiled.spec)
-    rules = {("rule", rule.name): meaning.fingerprint(rule) for rule in compiled.spec.rules}
-    tests = {
+    rules: Prints = {("rule", rule.name): meaning.fingerprint(rule) for rule in compiled.spec.rules}
+    tests: Prints = {
         ("test", t.rule.name, t.title): key({**meaning.rule(t.rule), "test": fingerprint_of_test(t)})
         for t in prepared
     }

@@ -146,10 +146,10 @@ def spec_node(kind: type[ir.IR]) -> ir.Formula:
     known = compiled(SPEC + 'rule a "b"\n  require ego.v <= 5 m/s\n').rules[0].formula
     assert isinstance(known, ir.Compare)
     if kind is Unknown:
-        return ir.Compare("<=", Unknown(), known.right, "m/s", known.span)
+        return ir.Compare("<=", Unknown(), known.right, "m/s", known.span)  # type: ignore[arg-type]
     if kind is UnknownFormula:
-        return UnknownFormula()
-    return ir.Connective("nand", known, known)
+        return UnknownFormula()  # type: ignore[return-value]
+    return ir.Connective("nand", known, known)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("kind", [Unknown, UnknownFormula, ir.Connective])

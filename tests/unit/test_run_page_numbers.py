@@ -215,8 +215,8 @@ def test_envelope_is_where_the_recording_declares_it(tmp_path: Path) -> None:
     run = read(tmp_path, overtaking(ground_truth={"dynamic": TRUTH}))
     picture = score.score_figure(run, scores(run, {}), timeline.WIDE, "s")
     x0, x1, t0, t1 = (
-        float(re.search(rf'data-{name}="([^"]+)"', picture)[1]) for name in ("x0", "x1", "t0", "t1")
-    )  # type: ignore[index]
+        float(re.findall(rf'data-{name}="([^"]+)"', picture)[0]) for name in ("x0", "x1", "t0", "t1")
+    )
     (bound,) = re.findall(r'<path d="([^"]+)"[^>]*><title>envelope', picture) or re.findall(
         r'<path d="([^"]+)" class="bound"', picture
     )

@@ -23,6 +23,7 @@ def under(page: Page, beginning: str) -> dict[str, str]:
 
 def picture(page: Page, name: str) -> str:
     """The chart whose name begins so."""
+    found: str
     (found,) = [svg for svg in re.findall(r"<svg.*?</svg>", page.html, re.DOTALL) if f"<title>{name}" in svg]
     return found
 

@@ -83,7 +83,7 @@ def same(one: Any, other: Any) -> bool:
     if isinstance(one, list | tuple):
         return len(one) == len(other) and all(same(a, b) for a, b in zip(one, other))
     if isinstance(one, float):
-        return abs(one - other) <= 2e-6
+        return bool(abs(one - other) <= 2e-6)
     return bool(one == other)
 
 
@@ -302,7 +302,7 @@ def test_backwards_is_the_same_line() -> None:
     back = road.Backwards(track)
     for s in (0.0, 300.0, 780.0, 900.0, 2000.0):
         x, y, heading = track.pose(track.length - s)
-        assert back.pose(s) == (x, y, pytest.approx(heading + math.pi))
+        assert [*back.pose(s)] == [x, y, pytest.approx(heading + math.pi)]
         ahead = back.pose(s + 0.01)
         assert math.atan2(ahead[1] - y, ahead[0] - x) == pytest.approx(
             math.remainder(heading + math.pi, math.tau), abs=1e-3

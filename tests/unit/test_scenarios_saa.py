@@ -124,7 +124,7 @@ def test_signals_share_the_track() -> None:
 
 
 #: text of the .scn, code, line, a part of the message
-BAD_TEXTS = {
+BAD_TEXTS: dict[str, tuple[str | bytes, str, int | None, str]] = {
     "empty": ("", "D126", 1, "empty"),
     "latin 1": (scn().replace("veh_2", "größe").encode("latin-1"), "D126", 4, "UTF-8"),
     "no border": (scn().replace("bound_r", "bound_x"), "D127", None, "bound_r"),

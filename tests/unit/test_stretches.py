@@ -149,7 +149,7 @@ def test_said_in_words() -> None:
 
 def test_laid_out(tmp_path: Path) -> None:
     text = 'module made\n\nstretch  a "b"  on   track.left=\n 1 m\n  to -2 m\nstretch c on l = x + 1 m to y\n'
-    assert format_text(SourceFile(tmp_path / "a.spec", text)) == (
+    assert format_text(SourceFile(str(tmp_path / "a.spec"), text)) == (
         'module made\n\nstretch a "b" on track.left = 1 m to -2 m\nstretch c on l = x + 1 m to y\n'
     )
 

@@ -17,8 +17,8 @@ from trackmarshal.trace.graph.tools import by_table_3
 TABLE = (("TCL1", "TCL1", "TCL1"), ("TCL1", "TCL2", "TCL3"))
 
 
-TOOL = {"id": "TL-1", "title": "the planner's compiler", "version": "13.2", "impact": "TI2", "detection": "TD2", "confidence": "TCL2", "rationale": "Nobody <looked> closer."}  # fmt: skip
-FAULT = {"id": "MF-1", "title": "It drops a branch", "of_tool": ["TL-1"], "effect": "The robot does not stop.", "noticed": "By tests.", "shown_in": ["requirements/needs.yaml"]}  # fmt: skip
+TOOL: dict[str, object] = {"id": "TL-1", "title": "the planner's compiler", "version": "13.2", "impact": "TI2", "detection": "TD2", "confidence": "TCL2", "rationale": "Nobody <looked> closer."}  # fmt: skip
+FAULT: dict[str, object] = {"id": "MF-1", "title": "It drops a branch", "of_tool": ["TL-1"], "effect": "The robot does not stop.", "noticed": "By tests.", "shown_in": ["requirements/needs.yaml"]}  # fmt: skip
 
 
 def tools(project: Path, tools: list[dict[str, object]], malfunctions: list[dict[str, object]]) -> list[str]:
