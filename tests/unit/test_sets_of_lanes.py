@@ -193,19 +193,17 @@ def test_what_cannot_be_read_is_refused(lanes: Any, code: str, text: str) -> Non
 @pytest.mark.parametrize(
     ("lanes", "said"),
     [
-        (None, ["D201 lanes: it is not there"]),
+        (None, ["D211 lanes: it is not there"]),
         ([CROSSING, LANES[0], CROSSING], ["D217 lanes[0]: left border meets right border near (5.800, 0.000), and 1 more"]),
-        ([{}, {"left": LANES[0]["left"]}], ["lanes.left[0]: it is not there", "lanes.right[0]: it is not there, and 1 more"]),
-        ({"left": [LANES[0]["left"]], "right": [LANES[0]["right"]] * 2}, ["wrong_length", "lanes.left[1]: it is not there"]),
+        ([{}, {"left": LANES[0]["left"]}], ["D211 lanes.left[0]: it is not there", "D211 lanes.right[0]: it is not there, and 1 more"]),
+        ({"left": [LANES[0]["left"]], "right": [LANES[0]["right"]] * 2}, ["D212 lanes.right[1]: 2 entries, 1 elsewhere", "D211 lanes.left[1]: it is not there"]),
     ],
 )  # fmt: skip
 def test_each_kind_of_fault_is_said_once(backend: str, lanes: Any, said: list[str]) -> None:
     spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")
     result = Evaluator(spec, backend=backend).case({"signals": {**SIGNALS, "lanes": lanes}})
     assert result.rules["made"].verdict == "undefined"
-    assert len(result.faults) == len(said), result.faults
-    for fault, text in zip(result.faults, said):
-        assert text.partition(": ")[2] in fault or text == name_of(fault) or text in fault, fault
+    assert list(result.faults) == said
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
