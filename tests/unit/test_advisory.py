@@ -18,6 +18,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.program import Judged, Rated
+from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 
 NEEDS_COMPILER = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")
@@ -145,6 +146,7 @@ def test_nothing_is_safe_by_advisory_rules_alone() -> None:
 def test_a_judge_cannot_call_a_rule_advisory() -> None:
     """What decides is what the spec says, whatever comes with the verdicts."""
     made = supervisor(loads(SIGNALS + DECIDES), None, "numpy", clock=lambda: 0.0)
+    assert isinstance(made, Supervisor)
     honest = made.program
 
     class Lenient:

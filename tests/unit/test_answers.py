@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 
@@ -187,7 +188,7 @@ def test_the_facts_that_are_kept_are_those_of_the_files_as_they_are(project: Pat
     gate()
     spec = project / "specs/more"
     spec.mkdir()
-    steps = [
+    steps: list[Callable[[], object]] = [
         lambda: (spec / "extra.spec").write_text("module extra\nuse speed\n", "utf-8"),
         (spec / "extra.spec").unlink,
         lambda: (project / "specs/speed.spec").write_text(

@@ -300,12 +300,11 @@ def test_unknown_nodes_are_an_error_of_ours_and_no_reason_to_choose_another_back
         """A node that no backend knows."""
 
     rule = next(r for r in spec().rules if r.name == "friction")
-    changed = RuleInfo(
-        *[
-            Sorcery() if name == "formula" else None if name == "active" else getattr(rule, name)
-            for name in RuleInfo.fields
-        ]
-    )
+    values: list[Any] = [
+        Sorcery() if name == "formula" else None if name == "active" else getattr(rule, name)
+        for name in RuleInfo.fields
+    ]
+    changed = RuleInfo(*values)
     with pytest.raises(AssertionError, match="Sorcery"):
         generate(spec(), [changed])
 
@@ -616,7 +615,7 @@ def test_ziglang_is_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     for name in ("TRACKMARSHAL_CACHE", "ZIG_GLOBAL_CACHE_DIR", "ZIG_LOCAL_CACHE_DIR"):
         monkeypatch.setenv(name, str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr(build.shutil, "which", lambda name: None)
+    monkeypatch.setattr("trackmarshal.backends.c.build.shutil.which", lambda name: None)
     command = build.compiler()
     assert command is not None
     assert command[1:] == ["-m", "ziglang", "cc"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -105,7 +106,7 @@ rule back "made up"
 
 @needs_compiler
 def test_signals_events_params_tables_and_rules(tmp_path: Path) -> None:
-    lines, given, terms = ["module names"], {}, []
+    lines, given, terms = ["module names"], dict[str, Any](), list[str]()
     for k, name in enumerate(FIELDS):
         kind = k % 4 if name not in built_in_names() else 0
         if kind == 0:

@@ -103,7 +103,7 @@ def test_sets_called_like_members(tmp_path: Path, lasting: bool, doored: bool) -
 
 
 def decisions(spec: Spec, names: Sequence[str], backend: str) -> list[list[object]]:
-    now, said = 0.0, []
+    now, said = 0.0, list[list[object]]()
     supervisor = tm.supervisor(spec, clock=lambda: now, backend=backend, limits={"budget": 60.0})
     plan = {"t": [0.0, 1.0], "x": [0.0, 2.5], "y": [0.0, 0.0], "heading": [0.0, 0.0], "v": [5.0, 0.0]}
     for number in range(12):

@@ -50,7 +50,7 @@ def disguised(
     """The recorded cycles as another planner would send them: `columns` makes each of its columns from ours and the stamp."""
     made = []
     for cycle in recorded()[0]:
-        plans = []
+        plans: list[Any] = []
         for name in ("driving", "emergency"):
             ours = {key: np.array(value) for key, value in cycle["candidates"][name].items()}
             table = {key: np.asarray(make(ours, cycle["t"])).tolist() for key, make in columns.items()}
@@ -222,7 +222,7 @@ def test_the_planner_as_it_is_recorded(spec: Spec) -> None:
     json.dumps(report.as_json(), allow_nan=False)
 
 
-def broken(change: Callable[[dict[str, Any], int], None]) -> list[dict[str, Any]]:
+def broken(change: Callable[[dict[str, Any], int], object]) -> list[dict[str, Any]]:
     raws = json.loads(json.dumps(recorded()[0]))
     for number, raw in enumerate(raws):
         change(raw, number)
@@ -314,7 +314,7 @@ def test_obstacles_by_their_names(spec: Spec) -> None:
     assert "obstacles.heading" in {f.about for f in report.findings}
 
 
-BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], None], str]] = {
+BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], object], str]] = {
     "no emergency": (lambda raw, n: raw["candidates"].pop("emergency"), "no trajectory is called so, or ends at rest"),
     "no pose": (lambda raw, n: raw.pop("ego"), "no record has x and y near the beginning"),
     "no speed": (lambda raw, n: [p.pop("v") for p in raw["candidates"].values()], "plan.v: no column fits"),

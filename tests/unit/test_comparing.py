@@ -61,7 +61,7 @@ def slow(limit: str, name: str = "slow") -> str:
     return f'rule {name} "Slow" for all p in plan require p.v <= {limit}'
 
 
-def fastest() -> np.ndarray:  # type: ignore[type-arg]
+def fastest() -> np.ndarray:
     """(cycles, candidates): the greatest speed of each, m/s, from the file itself."""
     return np.array(
         [[max(cycle.candidates[name]["v"]) for name in CANDIDATES] for cycle in recording().cycles]
@@ -308,7 +308,7 @@ rule r "r"
         (tmp_path / f"{name}.spec").write_text(rules.format(top=top))
     sides = [str(tmp_path / f"{name}.spec") for name in ("old", "new")]
     recording = replace(tm.load_recording(CUT_IN), use=(), params={}, tables={})
-    own = replace(recording, params={"top": 50.0, "low": -2.0}, tables={"most": ((0.0, 90.0), (100.0, 90.0))})
+    own = replace(recording, params={"top": 50.0, "low": -2.0}, tables={"most": [[0.0, 90.0], [100.0, 90.0]]})
     for one, name in ((recording, "plain"), (own, "own")):
         write(replace(one, name=name), tmp_path / f"{name}.tmrec.jsonl")
     assert main(["diff", *sides, "--on", str(tmp_path / "plain.tmrec.jsonl")]) == 1

@@ -68,7 +68,7 @@ def ran(evaluator: Evaluator, run: str) -> tuple[list[str], list[str]]:
 
 def cycle(cells: dict[str, str]) -> dict[str, Any]:
     """A cycle with what a line of a run says, and otherwise a car alone at 20 m/s on a straight plan."""
-    ego, cars = dict(EGO), {}
+    ego, cars = dict(EGO), dict[str, dict[str, Any]]()
     signals: dict[str, Any] = {"emergency": False, "yellow": False, "braking": False, "plan": line(v=20.0)}
     for name, text in cells.items():
         owner, _, field = name.partition(".")

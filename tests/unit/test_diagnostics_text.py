@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
+from typing import Any
 
 import pytest
 
@@ -44,7 +45,7 @@ def span_of(file: SourceFile, part: str, nth: int = 0) -> Span:
 
 
 def shown(file: SourceFile, part: str, **fields: object) -> str:
-    values = {"left": "speed", "right": "length", **fields}
+    values: dict[str, Any] = {"left": "speed", "right": "length", **fields}
     return text.render([Clash(span_of(file, part), **values)])
 
 

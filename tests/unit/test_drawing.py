@@ -179,11 +179,11 @@ def compiled(text: str) -> Compiled:
     return made
 
 
-def made(text: str, rule: str = "r", *axes: str | None) -> dict[str, Any]:
+def made(text: str, rule: str = "r", over: str | None = None, against: str | None = None) -> dict[str, Any]:
     whole = compiled(text)
     info = whole.spec.rule(rule)
     assert info is not None
-    ((_, found),) = drawings([info], whole.spec, prepare(whole)[0], (), None, *axes)
+    ((_, found),) = drawings([info], whole.spec, prepare(whole)[0], (), None, over, against)
     return dict(found)
 
 
@@ -393,9 +393,12 @@ def test_what_is_kept_is_used_and_what_was_changed_is_made_again(
     (kept,) = tmp_path.glob("drawings-*.json")
     made_: list[list[str]] = []
     really = drawing._made
-    monkeypatch.setattr(
-        drawing, "_made", lambda names, *rest: made_.append(list(names)) or really(names, *rest)
-    )
+
+    def noted(names: Any, *rest: Any) -> Any:
+        made_.append(list(names))
+        return really(names, *rest)
+
+    monkeypatch.setattr(drawing, "_made", noted)
     assert html(warehouse).html == first
     assert made_ == []
     # Changed by hand, it counts for nothing, and what is made again is the same.

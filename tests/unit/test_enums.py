@@ -130,7 +130,7 @@ def test_defaults_of_booleans(backend: str) -> None:
 
 
 def recording(**more: Any) -> Recording:
-    plan = {
+    plan: dict[str, Any] = {
         "t": [0.0, 0.1],
         "s": [0.0, 1.0],
         **{n: [0.0, 0.0] for n in ("x", "y", "heading", "kappa", "v", "a")},
@@ -140,7 +140,7 @@ def recording(**more: Any) -> Recording:
         0.0,
         ego,
         [{"id": "a", "x": 1.0, "seen": "yellow"}],
-        {"driving": {**plan, "lane": ["green", "red"]}, "emergency": plan},
+        {"driving": plan | {"lane": ["green", "red"]}, "emergency": plan},
     )
     return Recording(
         "r",

@@ -135,19 +135,27 @@ def test_arcs_and_clothoids_of_all_kinds_are_covered() -> None:
         most = min(0.2, 1.2 / length)
         kappa0, kappa1 = generator.uniform(-most, most, 2) * generator.choice([1.0, 0.1])
         body = (float(generator.uniform(0.5, 12.0)), float(generator.uniform(0.3, 3.0)))
-        poses, *ends = walked(
-            length, lambda s, a=kappa0, b=kappa1, L=length: a + (b - a) * s / L, starts(generator), 400
-        )  # type: ignore[misc]
-        assert left_out(way(poses, *ends, body), poses, body) <= EXACT, (length, kappa0, kappa1, body)
+        poses, begin, end = walked(
+            length,
+            lambda s, a=kappa0, b=kappa1, L=length: a + (b - a) * s / L,  # type: ignore[misc]
+            starts(generator),
+            400,
+        )
+        assert left_out(way(poses, begin, end, body), poses, body) <= EXACT, (length, kappa0, kappa1, body)
 
 
 @pytest.mark.parametrize("other", [-1.2, -1.0, -0.8, 0.5, 0.9])
 def test_clothoids_that_wind_to_both_sides_are_covered(other: float) -> None:
     """Where curvatures at both ends cancel out, they do not show by how much the slope of a clothoid grows unevenly."""
     for bent in np.arange(0.1, 1.3, amount(0.3, 0.1)):
-        poses, *ends = walked(1.0, lambda s, a=bent: a * (1.0 + (other - 1.0) * s), (3.0, -2.0, 0.7), 400)  # type: ignore[misc]
+        poses, begin, end = walked(
+            1.0,
+            lambda s, a=bent: a * (1.0 + (other - 1.0) * s),  # type: ignore[misc]
+            (3.0, -2.0, 0.7),
+            400,
+        )
         for body in (BODY, (12.0, 0.3), (0.5, 0.3)):
-            assert left_out(way(poses, *ends, body), poses, body) <= EXACT, (bent, body)
+            assert left_out(way(poses, begin, end, body), poses, body) <= EXACT, (bent, body)
 
 
 def test_backing_up_along_a_curve() -> None:
@@ -220,10 +228,13 @@ def test_the_excess_is_bounded_as_the_docs_say() -> None:
         length = float(generator.choice([0.5, 2.5, 5.0]))
         most = min(0.12, 0.8 / length)
         kappa0, kappa1 = generator.uniform(-most, most, 2)
-        poses, *ends = walked(
-            length, lambda s, a=kappa0, b=kappa1, L=length: a + (b - a) * s / L, starts(generator), 400
-        )  # type: ignore[misc]
-        made = way(poses, *ends)
+        poses, begin, end = walked(
+            length,
+            lambda s, a=kappa0, b=kappa1, L=length: a + (b - a) * s / L,  # type: ignore[misc]
+            starts(generator),
+            400,
+        )
+        made = way(poses, begin, end)
         pieces = len(made.poses) - 1
         corner = math.hypot(BODY[0], BODY[1]) / 2
         steepest = abs(poses[2, -1] - poses[2, 0]) + 0.5 * length * abs(kappa0 - kappa1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 from hypothesis import given, settings
@@ -37,7 +37,7 @@ STATES = ["T413_failed_test", "T419_test_not_run", "T419_stale_test", "T419_expi
 def of_row(matrix: Matrix, row: Row) -> str:
     """How far a requirement is supported, worked out of its cells alone, which have what is below in them."""
     found = [SUPPORTED]
-    stages = {stage.id: stage for stage in matrix.stages}
+    stages = {str(stage.id): stage for stage in matrix.stages}
     for name, cell in row.cells.items():
         if cell.status == "covered":
             continue
@@ -156,7 +156,10 @@ def test_the_program_s_templates_are_those_of_a_project_without_its_own(tmp_path
     _, with_own = argument(own)
     (own.root / "requirements" / "argument.yaml").unlink()
     _, without = argument(own)
-    strip = lambda case: {i: e._replace(origin=None) for i, e in case.elements.items()}  # noqa: E731
+
+    def strip(case: Any) -> dict[str, Any]:
+        return {i: e._replace(origin=None) for i, e in case.elements.items()}
+
     assert strip(with_own) == strip(without)
 
 

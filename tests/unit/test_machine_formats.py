@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -174,13 +175,14 @@ def test_benchmarks() -> None:
 @pytest.mark.usefixtures("folder")
 def test_anything_else_is_refused() -> None:
     (one,) = printed("eval", "formats.spec", "--data", lines("one.jsonl", case(1, 10.0)), "--rule", "town", "--format", "jsonl")  # fmt: skip
-    for change in (
+    changes: tuple[Callable[[Any], object], ...] = (
         lambda x: x.update(more=1),
         lambda x: x.pop("safe"),
         lambda x: x["rules"]["town"].update(verdict="fine"),
         lambda x: x["rules"]["town"].update(margin="-Infinity"),
         lambda x: x["rules"]["town"].pop("unit"),
-    ):
+    )
+    for change in changes:
         other = deepcopy(one)
         change(other)
         with pytest.raises(ValidationError):

@@ -110,6 +110,7 @@ def test_whoever_asks_for_what_was_not_worked_out_gets_it(rule: str, raw: list[d
     for index, frame in enumerate(frames):
         view, reference = CaseView(run, index), Reference(spec, frame)
         for node in program.code.partly:
+            assert isinstance(node, ir.Formula)
             bound = {each.axis.level for each in ir.below(node) if isinstance(each, ir.Quantify)}
             axes = {
                 axis.level: axis

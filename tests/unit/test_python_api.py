@@ -75,7 +75,7 @@ rule tracked "between the borders"
   require distance_to(p, track.left) >= 1 m and distance_to(p, track.right) >= 1 m
 """
 COUNT, SAMPLES = 40, 12
-TRACK = {"left": [[0, 9], [99, 9]], "right": [[0, -9], [99, -9]]}
+TRACK: dict[str, Any] = {"left": [[0, 9], [99, 9]], "right": [[0, -9], [99, -9]]}
 OBJECTS = [{"id": "red", "x": 3.0, "y": 4.0, "v": 1.0}, {"id": "blue", "x": 8.0, "y": 4.5, "v": 2.0}]
 BACKENDS = [
     "numpy",
@@ -130,7 +130,7 @@ def evaluator(request: pytest.FixtureRequest, spec: Any) -> tm.Evaluator:
     return tm.Evaluator(spec, backend=request.param)
 
 
-SHARED = {"track": TRACK, "objects": OBJECTS}
+SHARED: dict[str, Any] = {"track": TRACK, "objects": OBJECTS}
 
 
 def same_as_alone(evaluator: tm.Evaluator, batch: tm.Batch, cases: list[dict[str, Any]]) -> None:

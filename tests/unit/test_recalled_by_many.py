@@ -33,7 +33,7 @@ def _recalling(spec: object) -> ir.Formula:
         if recalls(node):
             found.append(node)
         else:
-            stack += [child for child in ir.operands(node) if not isinstance(child, ir.Num.__args__)]  # type: ignore[attr-defined]
+            stack += [child for child in ir.operands(node) if isinstance(child, ir.Formula)]
     (one,) = found
     return one
 

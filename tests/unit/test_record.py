@@ -149,7 +149,7 @@ def small(path: Path, count: int) -> bytes:
     for number in range(count):
         clock.now = number * PERIOD
         given = cycle(number)
-        ends = {
+        ends: dict[str, Any] = {
             name: {n: c[[0, -1]] for n, c in getattr(given, name).items()}
             for name in ("driving", "emergency")
         }

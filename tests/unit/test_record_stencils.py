@@ -15,11 +15,13 @@ from support.cycles import PERIOD, cycle
 from support.length import at_length
 from support.supervised import ROOT, Clock, made, shipped
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import load
 from trackmarshal.runtime import stencil
 from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.record import Record, Run, read
 from trackmarshal.runtime.stencil import letters
+from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 
 
@@ -48,6 +50,7 @@ SIDES = [
 
 
 def run(path: Path, backend: str) -> Run:
+    driven: Supervisor | CSupervisor
     if backend == "oracle":  # all is well
         driven, oracle, clock = made()
         driven.recorder = Record(path, driven.door.contract, driven.limits, oracle.identity)

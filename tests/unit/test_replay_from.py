@@ -483,7 +483,7 @@ def test_shipped_scenarios(
     """The shipped rules, and some that remember; the car of a recording does not follow decisions."""
     recording = tm.load_recording(ROOT / "specs" / "scenarios" / scenario)
     spec, path, now = on_track(tmp_path_factory.getbasetemp()), tmp_path / "run.arrows", 0.0
-    wide = dict.fromkeys(
+    wide: dict[str, Any] = dict.fromkeys(
         ("oldest", "budget", "apart", "beside", "turned", "overspeed", "blind", "longest_gap"), math.inf
     )
     limits = replace(Limits.of(spec), **wide)  # none, which is no car's

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -130,7 +131,12 @@ def test_typst_sets_the_language(warehouse: Path, monkeypatch: pytest.MonkeyPatc
     from trackmarshal.trace.case import typst
 
     sources: list[str] = []
-    monkeypatch.setattr(typst, "pdf", lambda source, day: sources.append(source) or b"%PDF-")
+
+    def pdf(source: str, day: Any) -> bytes:
+        sources.append(source)
+        return b"%PDF-"
+
+    monkeypatch.setattr(typst, "pdf", pdf)
     for language in ("en", "de"):
         status, _, err = command(warehouse, "case", "--out", str(warehouse / language), "--day", DAY, "--format", "pdf", "--words", language)  # fmt: skip
         assert status == 0, err

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -141,11 +142,11 @@ def test_another_evaluator_makes_everything_anew(
 def _drawings(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The scenarios of which a page is drawn, as they are."""
     from trackmarshal.trace.report import pages as report
+    from trackmarshal.trace.report.run_view import run_context as before
 
     drawn: list[str] = []
-    before = report.run_context
 
-    def listening(run, titles):  # type: ignore[no-untyped-def]
+    def listening(run: Any, titles: Any) -> dict[str, Any]:
         drawn.append(run.name)
         return before(run, titles)
 

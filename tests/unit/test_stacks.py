@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import struct
+from collections.abc import Sequence
 from typing import Any
 from unittest import mock
 
@@ -101,14 +102,14 @@ def seen(frames: list[Frame]) -> list[Any]:
     ]
 
 
-def reading(spec: Spec, raw: list[Any]) -> Any:
+def reading(spec: Spec, raw: Sequence[Any]) -> Any:
     try:
         return seen(Evaluator(spec).read_all(raw))
     except TrackmarshalError as error:
         return str(error)
 
 
-def check(spec: Spec, raw: list[Any]) -> tuple[Any, int]:
+def check(spec: Spec, raw: Sequence[Any]) -> tuple[Any, int]:
     """What is read, and how many signals of cases were taken together: all others are read by the readers of signals."""
     took, take = [0], Stacks.take
 
@@ -136,7 +137,8 @@ def column(r: random.Random, count: int) -> Any:
     if kind < 0.05:
         return tuple(values)
     if kind < 0.1 and {float}.issuperset(map(type, values)):
-        return np.array(values, dtype=r.choice([np.float64, np.float32, ">f8"]))
+        kinds: list[Any] = [np.float64, np.float32, ">f8"]
+        return np.array(values, dtype=r.choice(kinds))
     return values
 
 

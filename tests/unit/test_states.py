@@ -188,7 +188,8 @@ def test_memory_does_not_grow() -> None:
     for number in range(400):
         there = {f"o{number // 7 % 50}": (20.0, 0.0, 20.0), f"p{number}": (-20.0, 0.0, 40.0)}
         run.step(evaluator.read(cycle(number / 10, (0.0, 0.0, 30.0), there, number % 9 == 0)))
-        cells = run._memory.state.cells
+        memory: Any = run._memory
+        cells = memory.state.cells
         sizes.append(sum(len(held) for held in cells._held.values()))
         assert all(
             len(possible) <= 4

@@ -88,8 +88,13 @@ def test_damaged_tables_are_made_anew_and_kept(
             "empty": b"", "half": whole[: len(whole) // 2], "longer": whole + b" ", "another form": whole.replace(b" 1 ", b" 0 ", 1),
         }  # fmt: skip
         fresh.write_bytes(changed[damage])
-    made = []
-    monkeypatch.setattr("trackmarshal.syntax.tabulate.tabulate", lambda: made.append(1) or whole)
+    made: list[int] = []
+
+    def again() -> bytes:
+        made.append(1)
+        return whole
+
+    monkeypatch.setattr("trackmarshal.syntax.tabulate.tabulate", again)
     for _ in range(2):
         tables.cache_clear()
         assert not parse(SPEC)[1]

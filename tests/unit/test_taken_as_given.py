@@ -11,6 +11,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load, loads
 from trackmarshal.runtime.faults import NAMES, fault
 from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.semantics.errors import ModuleName
 
 SPEC = 'module m\nparam most : m/s = 3 m/s\nsignal ego : state { v: m/s }\nrule slow "slow"\n  require ego.v <= most\n'
 
@@ -44,7 +45,7 @@ def test_the_name_that_is_proposed_for_a_module_is_one(stem: str, tmp_path: Path
     body = 'signal ego : state { v: m/s }\nrule slow "slow"\n  require ego.v <= 3 m/s\n'
     path.write_text(body, "utf-8")
     (found,) = compile_paths([path]).errors
-    assert found.hint is not None
+    assert isinstance(found, ModuleName)
     proposed = found.hint.split("`")[1]
     path.write_text(f"{proposed}\n{body}", "utf-8")
     assert not compile_paths([path]).errors

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from support.agreement import compiled, differences, results
+from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.door.cases import AT_ONCE
@@ -124,19 +125,23 @@ def test_arrays_are_taken_and_not_stacked_again(spec: Spec) -> None:
     stack = cases[0].columns["plan"].stack
     assert stack is not None
     assert cases[1].columns["plan"].stack is stack
-    batch = evaluator.program.run(cases).batch
+    program = evaluator.program
+    assert isinstance(program, NumpyProgram)
+    batch = program.run(cases).batch
     table = batch.table("plan", "v")
     assert table.tolist() == [[1.0, 2.0], [3.0, 4.0]]
     assert table.flags.c_contiguous
     assert np.shares_memory(batch._stacked("plan"), stack)
     put(cases[0], "v", [1.0, 2.0])  # equal, but who knows
-    assert not np.shares_memory(evaluator.program.run(cases).batch._stacked("plan"), stack)
+    assert not np.shares_memory(program.run(cases).batch._stacked("plan"), stack)
 
 
 def test_cases_of_several_arrays(spec: Spec) -> None:
     """As candidates of cycles are: each was read with its like, and they take turns."""
     evaluator = Evaluator(spec, None, "numpy")
     apart = [evaluator.read_all([case(10.0 * array + k, 2.0 * k) for k in range(6)]) for array in range(3)]
+    program = evaluator.program
+    assert isinstance(program, NumpyProgram)
     longer = evaluator.read_all([case(90.0 + k, 2.0, 3.0) for k in range(6)])
     assert all(one.columns["plan"].stack is not None for cases in (*apart, longer) for one in cases)
     first, second, third = apart
@@ -146,7 +151,7 @@ def test_cases_of_several_arrays(spec: Spec) -> None:
         [first[0], second[0]], [first[0], second[0], third[0]], [*turns, third[5]],
         [one for pair in zip(first, longer) for one in pair], [*longer, *first],
     ):  # fmt: skip
-        table = evaluator.program.run(cases).batch.table("plan", "v")
+        table = program.run(cases).batch.table("plan", "v")
         for row, one in zip(table.tolist(), cases, strict=True):
             own = one.columns["plan"].column("v").tolist()
             assert row[: len(own)] == own

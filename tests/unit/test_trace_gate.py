@@ -15,6 +15,7 @@ from support.project import command
 from support.start import new_project
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import SpecItem, SpecTest
 
 ITEMS, TESTS, RESULTS, RUNS = Small().parts()
 BASELINE = "requirements/baseline.json"
@@ -22,8 +23,8 @@ MODEL = "requirements/system-model.yaml"
 CRITERIA = "requirements/criteria.yaml"
 
 
-def fails(root: Path = PROJECT, items: list[object] = ITEMS, tests: list[object] = TESTS) -> list[str]:  # type: ignore[assignment]
-    return [f.code for f in trace.gate(trace.build(root, items, tests, RESULTS, RUNS, TODAY))]  # type: ignore[arg-type]
+def fails(root: Path = PROJECT, items: list[SpecItem] = ITEMS, tests: list[SpecTest] = TESTS) -> list[str]:
+    return [f.code for f in trace.gate(trace.build(root, items, tests, RESULTS, RUNS, TODAY))]
 
 
 def test_it_passes_as_it_is() -> None:
@@ -59,7 +60,7 @@ def test_a_needed_test_taken_away_without_a_baseline(index: int, tmp_path: Path)
 def test_links_taken_away() -> None:
     for number, item in enumerate(ITEMS):
         items = [*ITEMS[:number], replace(item, satisfies=()), *ITEMS[number + 1 :]]
-        assert {"T202", "T206", "T227"} <= set(fails(items=items)), item.name  # type: ignore[arg-type]
+        assert {"T202", "T206", "T227"} <= set(fails(items=items)), item.name
 
 
 def derivations() -> list[tuple[str, str]]:

@@ -53,7 +53,9 @@ def rules(made: Compiled) -> Iterator[tuple[typed.Rule, ast.Rule | ast.Assume]]:
     """The typed rules, each with its syntax tree."""
     for name in made.order:
         for item in made.library.modules[name].tree.items:
-            rule = made.spec.rule(item.name) if isinstance(item, (ast.Rule, ast.Assume)) else None
+            if not isinstance(item, (ast.Rule, ast.Assume)):
+                continue
+            rule = made.spec.rule(item.name)
             if rule is not None and rule.typed is not None:
                 yield rule.typed, item
 

@@ -132,7 +132,7 @@ def test_parameters_ranges_and_defaults_have_the_same_doubles(unit: str, tmp_pat
         + f'rule r "r"\n  allow W306 because "the numbers count, not the demand"\n  for all o in things\n  require {" + ".join(f"ego.f{k} + o.f{k}" for k in some[:8])} >= 0 {unit}\n',
     )
     spec = compiled.spec
-    data = {"signals": {"ego": {}, "things": [{}, {}]}}
+    data: dict[str, Any] = {"signals": {"ego": {}, "things": [{}, {}]}}
     evaluator = Evaluator(spec)
     cases = [evaluator.read(data), *evaluator.read_all([data, data])]
     for k in some:
@@ -158,7 +158,7 @@ def test_a_default_in_another_unit_is_the_number_that_it_was_written_as(tmp_path
         'rule r "r"\n  for all o in cars\n  require ego.v <= 6.1 m/s and o.v <= 6.1 m/s\n',
     )
     evaluator = Evaluator(compiled.spec)
-    data = {"signals": {"ego": {}, "cars": [{"v": 20.0}, {}]}}
+    data: dict[str, Any] = {"signals": {"ego": {}, "cars": [{"v": 20.0}, {}]}}
     for case in (evaluator.read(data), *evaluator.read_all([data, data])):
         assert case.value("ego", "v") == 6.1
         assert case.columns["cars"].listed("v") == [to_si(20.0, "km/h"), 6.1]

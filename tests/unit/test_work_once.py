@@ -21,10 +21,12 @@ from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.reference.evaluator import Env, Reference
 from trackmarshal.evaluation import loads
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.door.columns import ColumnsReader
 from trackmarshal.runtime.door.values import numbers
 from trackmarshal.runtime.faults import Fault
+from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
 from trackmarshal.runtime.verdict import Truth
 
@@ -93,7 +95,7 @@ print(before == of_numpy, numbers(hidden).tolist())
     assert in_a_process_of_its_own(source) == "True [1.0, nan]"
 
 
-EGO = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}
+EGO: dict[Any, Any] = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -125,8 +127,8 @@ def test_a_record_of_a_cycle_has_what_is_left_out_of_it_above() -> None:
 class Counted(Reference):
     """How often each formula is worked out."""
 
-    def __init__(self, *given: Any, often: bool = False) -> None:
-        super().__init__(*given, often=often)
+    def __init__(self, spec: Spec, frame: Frame, often: bool = False) -> None:
+        super().__init__(spec, frame, often=often)
         self.made: Counter[ir.Formula] = Counter()
 
     def _truth(self, node: ir.Formula, env: Env) -> Truth:
