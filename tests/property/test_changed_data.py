@@ -190,7 +190,7 @@ def test_the_same_bytes_in_another_shape_or_type(spec: Spec, backend: str) -> No
     assert "not a list of points" in verdicts(evaluator, case(left))
     left.shape = (4, 2)
     assert verdicts(evaluator, case(left)) == before
-    left.dtype = np.dtype(np.int64)
+    left.dtype = np.dtype(np.int64)  # type: ignore[misc]
     assert verdicts(evaluator, case(left)) == verdicts(Evaluator(spec, None, backend), case(left)) != before
 
 
@@ -253,7 +253,7 @@ def test_lines_that_were_made_otherwise_are_refused(spec: Spec, backend: str) ->
     frozen = np.array(points())
     frozen.flags.writeable = False
     for held in (loose, frozen, points(), np.zeros((2, 3)), None, line(points()).points.astype(np.float32)):
-        assert "not a list of points" in verdicts(Evaluator(spec, None, backend), case(Line(held)))
+        assert "not a list of points" in verdicts(Evaluator(spec, None, backend), case(Line(held)))  # type: ignore[arg-type]
 
 
 @BACKENDS
@@ -268,7 +268,7 @@ def test_a_frozen_array_that_is_looked_at_otherwise(spec: Spec, backend: str) ->
     assert "not a list of points" in verdicts(evaluator, case(left))
     left.shape = (4, 2)
     assert verdicts(evaluator, case(left)) == before
-    left.dtype = np.dtype(np.int64)
+    left.dtype = np.dtype(np.int64)  # type: ignore[assignment, misc]
     assert verdicts(evaluator, case(left)) == verdicts(Evaluator(spec, None, backend), case(left)) != before
 
 
@@ -277,7 +277,14 @@ def test_a_frozen_array_that_is_looked_at_otherwise(spec: Spec, backend: str) ->
     "before", [points, lambda: line(points()), lambda: np.array(points()), lambda: None, lambda: "ab"]
 )
 def test_an_empty_border_is_not_the_one_before(spec: Spec, backend: str, before: Callable[[], Any]) -> None:
-    for empty in ([], (), np.zeros((0, 2)), np.zeros((0, 2), dtype=np.float32), line(np.zeros((0, 2)))):
+    empties: tuple[Any, ...] = (
+        [],
+        (),
+        np.zeros((0, 2)),
+        np.zeros((0, 2), np.float32),
+        line(np.zeros((0, 2))),
+    )
+    for empty in empties:
         evaluator = Evaluator(spec, None, backend)
         verdicts(evaluator, case(before()))
         for _ in range(2):

@@ -37,7 +37,7 @@ def column(cells: list[tuple[tuple[str, float], tuple[str, float]]], turned: boo
     margins = [np.repeat(np.array([[margin] for _, margin in side]), 2, axis=1) for side in sides]
     return Column(
         "r",
-        np.arange(len(cells)) * 0.1,
+        np.arange(len(cells), dtype=np.float64) * 0.1,
         np.ones((len(cells), 2), np.bool_),
         codes[0],
         codes[1],

@@ -211,6 +211,8 @@ class Judge:
 
     def _inside(self, k: int, window: tuple[int, int] | None, past: bool) -> list[int]:
         t = self.elements[k].begin
+        low: float
+        high: float
         low, high = (0, math.inf) if window is None else window
         if past:
             low, high = t - high, t - low

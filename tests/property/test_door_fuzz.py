@@ -147,7 +147,8 @@ def test_what_passes_is_finite_and_what_was_handed_in(contract: Contract) -> Non
 
 def test_what_a_door_was_handed_first_cannot_pass_for_something_else(contract: Contract) -> None:
     """No border has passed before the first one, none of no points, and none after another cycle's."""
-    for borders in ({"left": [], "right": []}, {"left": np.zeros((0, 2)), "right": np.zeros((0, 2))}):
+    lists: dict[str, list[list[float]]] = {"left": [], "right": []}
+    for borders in (lists, {"left": np.zeros((0, 2)), "right": np.zeros((0, 2))}):
         for before in (None, cycle(0)):
             door = Door(contract, Limits())
             if before is not None:

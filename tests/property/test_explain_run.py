@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.run_formulas import SIGNALS, formulas, runs
-from trackmarshal.backends.over_run.history import History
+from trackmarshal.backends.over_run.history import History, Past
 from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.explaining.telling import told_over_run
@@ -22,7 +22,7 @@ def test_the_comparison_that_is_found_has_the_margin(
     formula: str, cycles: list[dict[str, Any] | None]
 ) -> None:
     evaluator = Evaluator(loads(f'{SIGNALS}rule f "x"\n  whenever weak previous flag\n  require {formula}\n'))
-    run, kept, missed = evaluator.over_run(), [], 0
+    run, kept, missed = evaluator.over_run(), list[Past](), 0
     rule = evaluator.rules[0]
     assert rule.formula is not None
     for cycle in cycles:

@@ -21,7 +21,7 @@ from trackmarshal.runtime.cycle import Limits
 
 SEEDS = amount(range(26, 38), range(600))
 #: None but capacities, and times that Supervisors count in: whatever comes is judged, and driven until it is over.
-OPEN = {
+OPEN: dict[str, Any] = {
     one.name: math.inf
     for one in fields(Limits)
     if one.name not in ("samples", "elements", "border", "rate", "shortest_gap", "clock_tolerance")
@@ -83,7 +83,7 @@ def test_decisions(backend: str) -> None:
             assert {one.code for one in error.items} <= {"E223", "E241", "E243"}, (error, text)
             continue
         now = [0.0]
-        supervisor = tm.supervisor(spec, backend=backend, clock=lambda now=now: now[0], limits=Limits(**OPEN))
+        supervisor = tm.supervisor(spec, backend=backend, clock=lambda now=now: now[0], limits=Limits(**OPEN))  # type: ignore[misc]
         deciding = Deciding(writer, rules, forget)
         for cycle, given in cycles(writer):
             now[0] = cycle.stamp

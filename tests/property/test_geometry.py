@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from trackmarshal.backends.reference import geometry as reference
 from trackmarshal.backends.reference.geometry import corridor, region
-from trackmarshal.points import distance, segment
+from trackmarshal.points import Segment, distance, segment
 from trackmarshal.runtime import geometry as fast
 
 Point = tuple[float, float]
@@ -169,10 +169,8 @@ def test_the_least_of_each_trajectory_is_exact(
         )
         body = (*body, *np.array(data.draw(bends)).reshape(2, -1))
     truth = corridor.margin_inside(*columns, *body).reshape(trips, count)
-    found, exact = (
-        part.reshape(trips, count)
-        for part in corridor.least_inside((*columns, *body), count, counted.ravel())
-    )
+    found, exact = corridor.least_inside((*columns, *body), count, counted.ravel())
+    found, exact = found.reshape(trips, count), exact.reshape(trips, count)
     assert np.array_equal(found[exact], truth[exact], equal_nan=True)
     assert exact[counted & np.isnan(truth)].all()
     for row in range(trips):
@@ -193,7 +191,8 @@ def test_the_least_may_be_that_of_a_way_whose_hull_is_farther_away(bend: tuple[f
     corridor = fast.Corridor(fine(7.0), fine(-7.0))
     x, y, turned = np.array([0.0, 10.0, 20.0, 30.0]), np.array([3.3, 3.3, 3.0, 3.0]), np.zeros(3)
     way = (x[:-1], y[:-1], turned, x[1:], y[1:], turned)
-    body = (4.7, 2.8, *(np.array([0.0, 0.0, kappa]) for kappa in bend))
+    first, last = (np.array([0.0, 0.0, kappa]) for kappa in bend)
+    body = (4.7, 2.8, first, last)
     truth = corridor.margin_inside(*way, *body)
     assert truth[2] < truth[:2].min() - 0.1 < corridor.margin_inside(*way, *body[:2])[2]
     found, exact = corridor.least_inside((*way, *body), 3, np.ones(3, dtype=np.bool_))
@@ -256,9 +255,9 @@ def test_rigid_motions_change_nothing(
     def moved(x: float, y: float) -> Point:
         return cos * x - sin * y + 1000.0 * shift[0], sin * x + cos * y + 1000.0 * shift[1]
 
-    there = tuple([moved(*point) for point in border] for border in borders)
+    left, right = ([moved(*point) for point in border] for border in borders)
     poses = tuple((*moved(x, y), heading + turn) for x, y, heading in move)
-    corridor, elsewhere = fast.Corridor(*borders), fast.Corridor(*there)
+    corridor, elsewhere = fast.Corridor(*borders), fast.Corridor(left, right)
     assume(corridor.fault is None and elsewhere.fault is None)
     margin = float(corridor.margin_inside(*move[0], *move[1], *body)[0])
     other = float(elsewhere.margin_inside(*poses[0], *poses[1], *body)[0])
@@ -313,14 +312,14 @@ def test_curvilinear_coordinates(line: list[Point], closed: bool, point: Point) 
 
 def all_of(
     stretches: list[region.Seen], body: region.Body, known: float, largest: float
-) -> list[tuple[float, region.Segment]]:
+) -> list[tuple[float, Segment]]:
     return [(0.0, segment(a, b, body.first[:2])) for _, part in stretches for a, b in part]
 
 
 def gap_to_all(
     body: region.Body,
-    hull: list[region.Segment],
-    border: list[tuple[float, region.Segment]],
+    hull: list[Segment],
+    border: list[tuple[float, Segment]],
     known: float,
 ) -> float:
     corners, segments = body.corners, [s for _, s in border]
@@ -351,6 +350,7 @@ def test_what_the_reference_leaves_out_of_a_border_changes_no_bit(
     poses = (scale * x0 + away, scale * y0 - away, h0), (scale * x1 + away, scale * y1 - away, h1)
     made = corridor.corridor_region(left, right, False)
     assume(not isinstance(made, str))
+    assert isinstance(made, region.Region)
     for kind in (region.Region, region.Outside):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(region, "STRETCH", stretch)

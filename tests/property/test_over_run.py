@@ -23,7 +23,7 @@ EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "7"))
 def said(text: str, backend: str, cycles: list[dict[str, Any] | None]) -> Said:
     """Everything that a rule says in every cycle, and after the last one."""
     evaluator = Evaluator(loads(text), backend=backend)
-    run, found = evaluator.over_run(), []
+    run, found = evaluator.over_run(), list[Any]()
     for cycle in cycles:
         if cycle is None:
             run.missed()

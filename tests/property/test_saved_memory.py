@@ -26,7 +26,7 @@ Cycles = list[dict[str, Any] | None]
 
 def told(text: str, cycles: Cycles, restarts: set[int]) -> list[Any]:
     """Everything that a rule says; before the cycles of these places, the run is saved, and another one goes on."""
-    run, found = Evaluator(loads(text)).over_run(), []
+    run, found = Evaluator(loads(text)).over_run(), list[Any]()
     for place, cycle in enumerate(cycles):
         if place in restarts:
             saved = json.loads(json.dumps(run.save(), allow_nan=False))

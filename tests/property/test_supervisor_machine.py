@@ -169,7 +169,7 @@ class Driving(RuleBasedStateMachine):
         """Whether a flawless cycle now continues the last one that the door took for in order."""
         door = self.supervisor.door
         number, stamp = door._number, door._stamp
-        if number is None:
+        if number is None or stamp is None:
             return True
         return (
             number == self.number - 1

@@ -37,8 +37,8 @@ def test_what_is_approved_can_be_taken_up() -> None:
         assert went.rest[i] <= on.end + taken.overrun + 0.1
         assert went.grip[i] <= 1.01
         assert went.excess[i] <= taken.excess + 1.0
-        place = [float(on.at(name, begin[i])) for name in ("x", "y", "heading")]
-        assert apart(on, seen(on, *place, v[i]), taken, terms) == ""
+        x, y, heading = (float(on.at(name, begin[i])) for name in ("x", "y", "heading"))
+        assert apart(on, seen(on, x, y, heading, v[i]), taken, terms) == ""
 
 
 def test_a_car_that_is_too_fast_or_elsewhere_is_apart() -> None:
@@ -55,5 +55,5 @@ def test_a_car_that_is_too_fast_or_elsewhere_is_apart() -> None:
         == "beside"
     )
     assert apart(on, seen(on, x, y, heading + 0.2, v), taken, terms) == "turned"
-    far = [float(on.at(name, on.end + taken.overrun + 1.0)) for name in ("x", "y", "heading")]
-    assert apart(on, seen(on, *far, 0.0), taken, terms) == "beyond"
+    x, y, heading = (float(on.at(name, on.end + taken.overrun + 1.0)) for name in ("x", "y", "heading"))
+    assert apart(on, seen(on, x, y, heading, 0.0), taken, terms) == "beyond"

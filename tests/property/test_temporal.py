@@ -150,7 +150,7 @@ def test_spans_beyond_which_nothing_says_more(
 ) -> None:  # fmt: skip
     """p that is mostly below q, about as it, or above it: in long windows, where doubling may end early or must not."""
     random, n = np.random.default_rng(seed), 150
-    t = np.cumsum(random.integers(1, 4, n) if uneven else np.ones(n)) * 0.25
+    t = np.cumsum(random.integers(1, 4, n).astype(np.float64) if uneven else np.ones(n)) * 0.25
     p, q = (random.integers(-9, 10, n).astype(np.float64) for _ in "pq")
     p += above * random.random()
     for some in (p, q):
@@ -180,7 +180,7 @@ def test_what_has_to_hold_does_by_more_than_any_goal(
 ) -> None:
     """p that is nowhere below any q, or as much as the greatest, zeros of either sign among them; or is below it in some blocks, or on the way to a window."""
     random, n = np.random.default_rng(seed), 150
-    t = np.cumsum(random.integers(1, 4, n) if uneven else np.ones(n)) * 0.25
+    t = np.cumsum(random.integers(1, 4, n).astype(np.float64) if uneven else np.ones(n)) * 0.25
     most = random.choice([0.0, 3.0, 1e300, -1e300, math.inf, -math.inf])
     p = np.where(random.random(n) < 0.5, most, np.maximum(most, random.choice([0.0, 1e301, math.inf], n)))
     q = np.where(random.random(n) < 0.5, most, np.minimum(most, random.choice([-0.0, -2.0, -math.inf], n)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import accumulate
+from typing import Any
 
 import pytest
 from hypothesis import example, given, settings
@@ -66,7 +67,7 @@ def test_windows_along_a_timeline(
     """start, steps: ms."""
     stamps = list(accumulate(steps, initial=start))
     here, there = min(here, len(steps)), min(there, len(steps))
-    later, expected = stamps[there] - stamps[here], {}
+    later, expected = stamps[there] - stamps[here], dict[str, Any]()
     for low, high in WINDOWS:
         ahead, back = low <= later <= high, low <= -later <= high
         expected |= {

@@ -41,9 +41,9 @@ class Raising:
     def __getattr__(self, name: str) -> Any:
         raise ZeroDivisionError(name)
 
-    __len__ = __iter__ = __getitem__ = __bool__ = __float__ = __index__ = __eq__ = __repr__ = __array__ = (
+    __len__ = __iter__ = __getitem__ = __bool__ = __float__ = __index__ = __eq__ = __repr__ = __array__ = (  # type: ignore[assignment]
         lambda *_: 1 // 0
-    )  # type: ignore[assignment]
+    )
 
     def __hash__(self) -> int:
         return 7
@@ -54,7 +54,7 @@ class RaisingList(list[Any]):
         raise ZeroDivisionError
 
     __iter__ = __getitem__ = __eq__ = __bool__ = __len__  # type: ignore[assignment]
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
 
 class RaisingDict(dict[Any, Any]):
@@ -70,7 +70,7 @@ class Claims:
     def __init__(self, kind: type) -> None:
         self._kind = kind
 
-    @property
+    @property  # type: ignore[misc]
     def __class__(self) -> Any:
         return self._kind
 
@@ -107,7 +107,7 @@ ODD: tuple[Callable[[random.Random], Any], ...] = (
     lambda rng: np.array([[1.0, 2.0]] * rng.randrange(4)), lambda rng: np.array(rng.choice((1.0, 1, True, "a", None))),
     lambda rng: np.zeros(rng.randrange(10)), lambda rng: [0.0] * 100, lambda rng: np.arange(3.0)[::-1], lambda rng: np.zeros((0, 2)),
     lambda rng: np.array([math.nan, 1.0, math.inf]), lambda rng: [[1.0, 2.0], [3.0]], lambda rng: [], lambda rng: {}, lambda rng: (),
-    lambda rng: np.ma.masked_all(3), lambda rng: np.ma.array([1.0, 2.0, 3.0], mask=False), lambda rng: [np.ma.masked, 1.0, 2.0],
+    lambda rng: np.ma.masked_all(3), lambda rng: np.ma.array([1.0, 2.0, 3.0], mask=False), lambda rng: [np.ma.masked, 1.0, 2.0],  # type: ignore[no-untyped-call]
     lambda rng: (1.0, 2.0), lambda rng: [(1, 2), np.array([3, 4])], lambda rng: np.array([[1, 2], [3, 4]], dtype=object),
     lambda rng: [np.float32(1.5), np.int8(2), 3], lambda rng: np.array([True, True, False]), lambda rng: [True, np.False_, np.array(True)],
     lambda rng: [{"x": 1.0, "w": 2.0, "seen": True}] * rng.randrange(6), lambda rng: {"x": [1.0], "w": [2], "seen": (True,)},

@@ -13,6 +13,7 @@ import numpy as np
 
 import trackmarshal as tm
 from support.cycles import PERIOD, cycle, mutate
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
@@ -61,9 +62,10 @@ class Pair:
     def _stored(self, decision: Decision) -> None:
         """What C itself has stored is what its decision says."""
         if decision.fallback is not None:
-            matrix = decision.fallback.matrix
+            matrix, stepper = decision.fallback.matrix, self.c.stepper
+            assert isinstance(stepper, Stepper)
             for place, row in enumerate(matrix):
-                assert self.c.stepper.stored(place)[: len(row)].tobytes() == row.tobytes()
+                assert stepper.stored(place)[: len(row)].tobytes() == row.tobytes()
 
 
 def agree(mine: Decision, other: Decision) -> None:
@@ -208,7 +210,8 @@ def _junk(rng: random.Random, given: Cycle, arrival: Any, taken: Any) -> tuple[A
             raise RuntimeError("not today")
 
     place = rng.choice(("driving", "signals"))
-    return replace(given, **{place: Odd(getattr(given, place))}), arrival, taken
+    odd: dict[str, Any] = {place: Odd(getattr(given, place))}
+    return replace(given, **odd), arrival, taken
 
 
 def _misspelt(rng: random.Random, given: Cycle, arrival: Any, taken: Any) -> tuple[Any, Any, Any]:

@@ -7,9 +7,9 @@ Places along lines and whether what is swept lies somewhere are asked of the ref
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from support.mathml import Parser, Tree, read
 from trackmarshal.backends.reference.evaluator import Reference
@@ -152,12 +152,12 @@ class Machinery:
                 return _not(self.truth(tree[1], env))
             case "quantified":
                 _, sign, names, domain, where, body = tree
-                said = [
+                each = [
                     self.truth(body, inner)
                     for inner in self._bound(names, domain, env)
                     if self._holds(where, inner)
                 ]
-                return _least(said) if sign == "∀" else _greatest(said)
+                return _least(each) if sign == "∀" else _greatest(each)
             case "between":
                 value, lower, upper = (self.number(part, env) for part in tree[1:])
                 return _joined("∧", self._compared("≤", lower, value), self._compared("≤", value, upper))
@@ -282,14 +282,14 @@ class Machinery:
             case _:
                 raise AssertionError(sign)
 
-    def _asked(self, kind: type[ir.Formula], env: dict[str, Any]) -> Said:  # type: ignore[valid-type]
+    def _asked(self, kind: type[ir.Formula], env: dict[str, Any]) -> Said:
         """A geometric predicate, of which a rule has one: its value is the reference's, at the variables as they are bound here."""
         nodes = [node for node in self.nodes if isinstance(node, kind)]
         assert len(nodes) == 1, "which one is printed here is not known"
         levels = {node.axis.level for node in self.nodes if isinstance(node, ir.Quantify)}
         bound = dict(enumerate(env.get("", {}).values()))
         assert len(bound) == len(levels)
-        value = self.values.truth(cast(ir.Formula, nodes[0]), bound)
+        value = self.values.truth(nodes[0], bound)
         if value.verdict == "undefined":
             self.undefined = True
             return Said(None, math.nan)
@@ -386,7 +386,7 @@ class Machinery:
 
     def _on_line(self, name: str, point: Tree, line: Tree, env: dict[str, Any]) -> float:
         x, y = (ir.Const(float(self._field(("field", axis, point), env))) for axis in ("x", "y"))
-        kinds = {
+        kinds: dict[str, Callable[[ir.Line, ir.Num, ir.Num], ir.Num]] = {
             "station": ir.Station,
             "offset": ir.Offset,
             "direction": ir.Direction,

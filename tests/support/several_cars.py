@@ -120,7 +120,7 @@ def run(spec: Spec, seed: int, brakes: tuple[float, float], rules: list[str] | N
         state = State(
             float(station), rng.uniform(-1.0, 1.0) * (road.half - 1.6), 0.0, v * rng.uniform(0.6, 1.1)
         )
-        supervisor = tm.supervisor(spec, rules, backend="c", clock=lambda now=now: now[0])
+        supervisor = tm.supervisor(spec, rules, backend="c", clock=lambda now=now: now[0])  # type: ignore[misc]
         planner = Proposals(road, own, state.offset, cars)
         team.append(Car(str(k), str(rng.choice(KINDS)), own, supervisor, planner, state, now, target=state.offset))  # fmt: skip
     for number in range(lost + 250):
@@ -168,9 +168,10 @@ def _decide(
     objects = {"id": [other.name for other in others], **dict(zip(("x", "y", "heading", "v"), columns)),
                **{name: np.full(len(others), value) for name, value in sizes.items()}}  # fmt: skip
     signals = {"ego": {**ego, "age": own_age}, "objects": objects, "obstacles": NOBODY, "track": track}
-    candidates = {"driving": driving.columns(50), "emergency": fallback.columns(50)}
+    plans = driving.columns(50), fallback.columns(50)
     car.now[0] = t + 0.01
-    return car.supervisor.step(tm.Cycle(number=number, t=t, signals=signals, **candidates))
+    decision: tm.Decision = car.supervisor.step(tm.Cycle(number, t, *plans, signals))
+    return decision
 
 
 def _happens(road: Road, team: list[Car], t: float) -> str:

@@ -53,7 +53,7 @@ class Clock:
         value = self.ticks.pop(0) if self.ticks else self.now
         if isinstance(value, Exception):
             raise value
-        return value  # type: ignore[no-any-return]
+        return value
 
 
 class Oracle:

@@ -96,7 +96,7 @@ def cycle(number: int, t: float, variant: str = "lists") -> Cycle:
         "t": [0.0, 1.0, 2.0], "x": [0.0, 1.0, 2.0], "y": [0.0, 0.0, 1.0], "heading": [0.0, 0.0, 1.0], "v": [1.0, 1.0, 0.0],
         "ready": [True, True, True],
     }  # fmt: skip
-    signals = {
+    signals: dict[str, Any] = {
         "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "age": 0.0},
         "car": {"gap": 3.0, "load": 5.0, "on": True},
         "objects": {
@@ -113,7 +113,7 @@ def cycle(number: int, t: float, variant: str = "lists") -> Cycle:
     if variant == "arrays":
         for held in (driving, signals["car"], signals["objects"]):
             for name in FLAGS:
-                held.pop(name, None)  # type: ignore[attr-defined]
+                held.pop(name, None)
     for name in ("left", "right"):
         signals["track"][name] = [
             [x - 50.0, y if name == "left" else -9.0] for x, y in signals["track"][name]
@@ -259,7 +259,7 @@ def table() -> dict[str, tuple[set[str], dict[str, str]]]:
     assert rows[0] == ["what it is", "taken as", "refused as"]
     found = {}
     for what, taken, refused in rows[2:]:
-        faults = {}
+        faults: dict[str, str] = {}
         for part in filter(None, map(str.strip, refused.split(";"))):
             match = re.fullmatch(r"`(\w+)`: (.+)", part)
             assert match is not None, part
@@ -350,7 +350,8 @@ def _named(values: Sequence[Any]) -> Any:
 
 
 def _enumerated(value: Any) -> Any:
-    return enum.IntEnum("Of", {"one": int(value)})(int(value))
+    of = enum.IntEnum("Of", {"one": int(value)})  # type: ignore[misc]
+    return of(int(value))
 
 
 def _memmap(values: Any) -> Any:
@@ -465,7 +466,7 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
         Example(make, ("id",), "3") for make in (str, Word, np.str_)
     ),
     "NaN, infinity": tuple(
-        _o(lambda _, v=value: v)
+        _o(lambda _, v=value: v)  # type: ignore[misc]
         for value in (float("nan"), float("inf"), -np.inf, np.float32("nan"), np.array(np.inf), np.longdouble("inf"))
     ),
     "a number that no `float` holds": (
@@ -492,7 +493,8 @@ EXAMPLES: dict[str, tuple[Example, ...]] = {
         _c(lambda v: np.array(v, dtype=np.float64, order="F")), _c(lambda v: np.frombuffer(np.array(v).tobytes()).reshape(np.shape(v))),
     ),
     "array of whole numbers": tuple(
-        _c(lambda v, d=kind: np.array(v).astype(d)) for kind in ("i1", "i2", "i4", "i8", ">i4")
+        _c(lambda v, d=kind: np.array(v).astype(d))  # type: ignore[misc]
+        for kind in ("i1", "i2", "i4", "i8", ">i4")
     ),
     "array of Booleans": (Example(np.array, ("Booleans",), [True, False, True]),),
     "array of texts": (Example(lambda v: np.array(list(map(str, v))), ("ids",), ["1", "2", "3"]),),

@@ -293,7 +293,7 @@ def test_borders_of_a_planner_that_starts_are_not_for_the_cycle_of_the_one_befor
         os.kill(served.process.pid, signal.SIGSTOP)
         rig.now = given.t
         sequence = rig.send(3, replace(given, signals={**given.signals, "track": {**track, "left": beside}}))
-        rig.client.channel._cycles.close()  # it dies, and its ears stay
+        rig.client.channel._cycles.close()  # type: ignore[attr-defined]  # it dies, and its ears stay
         old, rig._ear = rig.client, served.listening()
         rig.connect()
         for slot, (_, field) in enumerate(rig.client.layout.lines):
@@ -397,7 +397,11 @@ def test_a_datagram_that_is_too_long() -> None:
         rig.step(0)
         rig.step(1)
         for more in (1, 20_000, 40_000):
-            channel(rig).next_one = lambda message, more=more: [bytes(message) + bytes(more)]  # type: ignore[misc]
+
+            def longer(message: bytearray, more: int = more) -> list[bytes | bytearray]:
+                return [bytes(message) + bytes(more)]
+
+            channel(rig).next_one = longer
             unanswered(rig, 2)
         assert rig.refused() == {"size": 3}
         rig.close()
@@ -613,7 +617,7 @@ def test_a_border_of_short_floats_that_lie_far_apart_there(made: Any, short: Any
     [
         lambda row: array("f", row),
         lambda row: (ctypes.c_float * 2)(*row),
-        lambda row: memoryview(np.float32(row)),
+        lambda row: memoryview(np.array(row, np.float32)),  # type: ignore[arg-type]
     ],
 )
 def test_a_border_of_rows_that_hold_short_floats(row: Any) -> None:
@@ -629,7 +633,7 @@ HOLDERS = (
     np.asarray,
     list,
     lambda column: np.array(list(column), object),
-    lambda column: np.ma.array(column, mask=np.zeros(len(column))),
+    lambda column: np.ma.array(column, mask=np.zeros(len(column), bool)),
     lambda column: array("f", column.tolist()),
     memoryview,
     lambda column: (ctypes.c_float * len(column))(*column.tolist()),
@@ -660,7 +664,11 @@ def test_what_is_no_column(made: Any, rig: Rig) -> None:
 def test_lengths_of_short_floats_that_lie_far_apart_there(made: Any, rig: Rig) -> None:
     """As to the door, of a candidate, a set and the car itself; what is no length is taken."""
     north = 5334572.0
-    given, short = cycle(3), lambda column: made((np.asarray(column, float) + north).astype(np.float32))
+    given = cycle(3)
+
+    def short(column: Any) -> Any:
+        return made((np.asarray(column, float) + north).astype(np.float32))
+
     with pytest.raises(LinkError, match=r"`driving\.y` is of short floats"):
         rig.step(3, replace(given, driving={**given.driving, "y": short(given.driving["y"])}))
     for name, said in (
@@ -863,8 +871,9 @@ def test_a_supervisor_that_hangs() -> None:
         rig.executing = Executing(served.program.layout, silence=0.5)
         for number in range(2):
             rig.now = time.monotonic()
-            said = rig.client.answer(rig.send(number, replace(cycle(number), t=rig.now)), PATIENCE)
-            assert said is not None
+            answer = rig.client.answer(rig.send(number, replace(cycle(number), t=rig.now)), PATIENCE)
+            assert answer is not None
+            said = answer
         rig.listen()
         assert said["safe"] == 1
         assert said["simulated"] == 0
@@ -878,9 +887,9 @@ def test_a_supervisor_that_hangs() -> None:
         assert found.why == "silent"
         assert (found.action, found.number) == ((FALLBACK, 1) if time.monotonic() <= end else (NOTHING, 0))
         os.kill(served.process.pid, signal.SIGCONT)
-        said = rig.client.answer(sequence, PATIENCE)
-        assert said is not None
-        assert (said["safe"], faults(said)) == (0, ["stale"])
+        answer = rig.client.answer(sequence, PATIENCE)
+        assert answer is not None
+        assert (answer["safe"], faults(answer)) == (0, ["stale"])
         rig.listen()
         assert rig.at(time.monotonic()).action != DRIVE
         rig.close()

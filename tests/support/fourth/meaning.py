@@ -243,7 +243,7 @@ def _whole(how: Callable[[float], float]) -> Callable[[float], float]:
     return lambda x: float(how(x)) if math.isfinite(x) else x
 
 
-ROUNDED = {
+ROUNDED: dict[str, Callable[[float], float]] = {
     "floor": _whole(math.floor),
     "ceil": _whole(math.ceil),
     "round": _whole(round),

@@ -20,7 +20,7 @@ def machine(writer: Writer, number: int, depth: int) -> Machine:
     ends = dice.random() < 0.3
     # Each state is led to, and out of; the last one may be final.
     pairs = list(zip(states, (*states[1:], states[0])))[: len(states) - ends]
-    routes = [(after, (before,)) for before, after in pairs]
+    routes: list[tuple[str, tuple[str, ...]]] = [(after, (before,)) for before, after in pairs]
     for _ in range(dice.randint(0, 2)):
         to = dice.choice(states)
         sources = [one for one in states[: len(states) - ends] if one != to]
@@ -33,9 +33,9 @@ def machine(writer: Writer, number: int, depth: int) -> Machine:
     names = [(f"k{number}{i}", dice.choice([M, SPEED, ONE, ACC])) for i in range(dice.randint(0, 2))]
     still = replace(scope, time=False)
     ways = []
-    for to, sources in routes:
+    for to, origins in routes:
         noted = [(name, writer.number(dim, still, 1)) for name, dim in names if dice.random() < 0.6]
-        ways.append(Way(to, sources, writer.formula(scope, depth), tuple(noted)))
+        ways.append(Way(to, origins, writer.formula(scope, depth), tuple(noted)))
     bridges = writer.time() if dice.random() < 0.6 else None
     made = Machine(f"machine{number}", states, tuple(ways), each, bridges)
     writer.declared.append(made.text)

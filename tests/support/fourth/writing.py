@@ -152,9 +152,9 @@ class Writer:
                 say(f"scale {_PLAIN[dim][0]} = {size!r} {_PLAIN[dim][0]}")
         for dim in (M, SPEED, ONE):
             name, unit = self._name("limit"), self._unit(dim)
-            value = literal(dim, self._number(), unit)
-            say(f"param {name} : {unit[0] or '1'} = {value.text}")
-            self.params.append(replace(value, text=name, level=5))
+            limit = literal(dim, self._number(), unit)
+            say(f"param {name} : {unit[0] or '1'} = {limit.text}")
+            self.params.append(replace(limit, text=name, level=5))
         for _ in range(2):
             self._table()
         for _ in range(3):
@@ -258,7 +258,10 @@ class Writer:
             ways += ["rounded", "count"]
         way = self.dice.choice(ways)
         still = replace(scope, time=scope.time and self.axis == "along")
-        one = lambda d=dim: self.number(d, scope, less)  # noqa: E731
+
+        def one(d: Dim = dim) -> Num:
+            return self.number(d, scope, less)
+
         if way == "sum":
             return arithmetic(one(), self.dice.choice("+-"), one())
         if way == "product":
@@ -333,7 +336,10 @@ class Writer:
         if depth <= 0 or dice.random() < 0.15:
             return self._leaf(scope)
         less = depth - 1
-        one = lambda: self.formula(scope, less)  # noqa: E731
+
+        def one() -> Formula:
+            return self.formula(scope, less)
+
         ways = [
             "leaf",
             "compare",
@@ -440,7 +446,7 @@ class Writer:
 
     def rule(self, name: str, depth: int) -> tuple[str, list[Clause], Formula]:
         scope = Scope((("ego", "ego"),), time=self.axis == "run", ahead=self.ahead)
-        lines, clauses = [f'rule {name} "x"'], []
+        lines, clauses = [f'rule {name} "x"'], list[Clause]()
         if self.axis == "along":
             lines.append("along plan as p" + (" at last" if self.dice.random() < 0.5 else ""))
             scope = replace(scope, records=(*scope.records, ("p", "plan")), time=True)
