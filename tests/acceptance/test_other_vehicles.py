@@ -55,7 +55,7 @@ def along(s: Floats, v: Floats, a: Floats) -> dict[str, Floats]:
 def stopping(brakes: Floats, step: float, told: float) -> dict[str, Floats]:
     """To rest in steps of one length, each with a deceleration of its own, whatever the column says of them."""
     v = np.sqrt(np.append(np.cumsum(2.0 * brakes[::-1] * step)[::-1], 0.0))
-    return along(np.arange(len(v)) * step, v, np.full(len(v), -told))
+    return along(np.arange(len(v), dtype=np.float64) * step, v, np.full(len(v), -told))
 
 
 def slows(vehicle: Mapping[str, float], v: Floats) -> Floats:

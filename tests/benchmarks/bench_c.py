@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Callable, Container
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -306,7 +307,7 @@ class ByHand:
         table = next(info for name, info in spec.tables.items() if name.endswith("ax_max"))
         self._table = np.array(table.knots), np.array(table.values)
         self._limits = _Limits(
-            *(short[{"r_min": "R_min"}.get(name, name)] for name, _ in _Limits._fields_[:13]),
+            *(short[{"r_min": "R_min"}.get(name, name)] for name, *_ in _Limits._fields_[:13]),
             len(self._table[0]),
             *(column.ctypes.data for column in self._table),
         )
@@ -337,7 +338,7 @@ def _temporal() -> dict[str, float]:
     rng = np.random.default_rng(1)
     samples = 1_000_000
     columns = {
-        ("log", "t"): np.arange(samples)[None] * 0.01,
+        ("log", "t"): np.arange(samples, dtype=np.float64)[None] * 0.01,
         ("log", "p"): rng.normal(size=(1, samples)),
         ("log", "q"): rng.normal(size=(1, samples)),
     }
@@ -345,7 +346,7 @@ def _temporal() -> dict[str, float]:
     for name, formula in formulas.items():
         spec = _one_rule(formula)
         made = program(spec)
-        result[f"C: {name} on 1,000,000 samples"] = median(lambda made=made: run_columns(made, columns), 7)
+        result[f"C: {name} on 1,000,000 samples"] = median(partial(run_columns, made, columns), 7)
     return result
 
 
@@ -362,7 +363,7 @@ def _online() -> dict[str, float]:
         ):
             spec = _one_rule(formula)
             monitors = Monitors(spec, spec.rules, 65_536)
-            taken = median(lambda monitors=monitors: monitors.run("r", log), 7)
+            taken = median(partial(monitors.run, "r", log), 7)
             result[f"C: {name}[0, {window}] online, a sample"] = taken / samples
     return result
 

@@ -39,7 +39,7 @@ LIMITS = {
 def long_spec(lines: int) -> str:
     """A spec of many rules, each different."""
     head = "module long\nsignal plan : trajectory { t: s increasing, x: m, y: m, v: m/s, a: m/s^2, kappa: 1/m }\n"
-    rules = []
+    rules: list[str] = []
     while 5 * len(rules) + 2 < lines:
         n = len(rules)
         rules.append(

@@ -119,7 +119,7 @@ class Driven:
 
         self._now = [0.0]
         # A built-in function, as time.monotonic is.
-        clock = partial(getitem, self._now, 0)
+        clock: Any = partial(getitem, self._now, 0)
         self._supervisor = supervisor(spec, backend="c", clock=clock, record=record)
         self._given = cycles(frozen, points)
         self.run(2000)

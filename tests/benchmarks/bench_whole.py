@@ -54,19 +54,19 @@ def measure() -> dict[str, float]:
     return found
 
 
-def _medians(name: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> tuple[float, float]:  # type: ignore[type-arg]
+def _medians(name: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> tuple[float, float]:
     """A rule, and one that only says its formulas of each cycle."""
     formula = (BACK | AHEAD)[name]
     plain = f"({P} or {Q})" if Q in formula else P
     # By turns, each first as often as second: who comes second finds memory that the first one has given back.
-    spent = {formula: [], plain: []}
+    spent: dict[str, list[float]] = {formula: [], plain: []}
     for k in range(8):
         for one in (formula, plain) if k % 2 else (plain, formula):
             spent[one].append(_seconds(one, stamps, signals))
     return float(np.median(spent[formula])), float(np.median(spent[plain]))
 
 
-def _seconds(formula: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> float:  # type: ignore[type-arg]
+def _seconds(formula: str, stamps: np.ndarray, signals: dict[str, dict[str, np.ndarray]]) -> float:
     """A run of one rule."""
     used = {"ego": {name: column for name, column in signals["ego"].items() if f"ego.{name}" in formula}}
     run = Evaluator(loads(f'{SIGNALS}rule f "" require {formula}\n')).whole_run()

@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 from collections import Counter
+from typing import Any
 
 import pytest
 
@@ -105,7 +106,7 @@ def test_kept_results_are_those_of_the_rules_loop_and_planner_of_now() -> None:
 
 
 def test_the_page_counts_what_ended_badly() -> None:
-    runs = []
+    runs: list[dict[str, Any]] = []
     for run in every():
         kind = FAULTS[run.fault]
         runs.append(

@@ -147,6 +147,6 @@ def test_a_value_on_the_edge(backend: str) -> None:
         (-1.0 - 2.0**-51, False),
     ):
         decision = run.step(
-            lambda given, v=value: replace(given, driving={**given.driving, "v": [1.0, v, 1.0]})
-        )  # type: ignore[misc]
+            lambda given, v=value: replace(given, driving={**given.driving, "v": [1.0, v, 1.0]})  # type: ignore[misc]
+        )
         assert decision.safe == safe, (value, decision.reasons)

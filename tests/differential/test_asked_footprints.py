@@ -116,6 +116,7 @@ def test_whoever_asks_for_what_was_left_out_gets_it(asked: int, monkeypatch: pyt
     for index, frame in enumerate(frames):
         view, reference = CaseView(run, index), Reference(evaluator.spec, frame)
         for node in program.code.partly:
+            assert isinstance(node, ir.Formula)
             levels = {axis.level: axis for axis in ir.below(node) if isinstance(axis, ir.Axis)}
             bound = {each.axis.level for each in ir.below(node) if isinstance(each, ir.Quantify)}
             free = sorted(level for level in levels if level not in bound)

@@ -67,7 +67,7 @@ def python_says(recording: Path, spec: Spec, backend: str) -> list[str]:
         spec, backend=backend, limits=tm.Limits.open_loop(), clock=lambda: now, params=found.params,
         tables=known_tables(found, spec)[0],
     )  # fmt: skip
-    lines = []
+    lines: list[str] = []
     for given in tm.cycles(found):
         now = given.t
         lines += decision_lines(supervisor.step(given))
@@ -102,7 +102,7 @@ def test_it_decides_as_python_on_the_shipped_scenarios(recording: Path, folder: 
 
 def a_run(path: Path, spec: Spec, count: int) -> tuple[list[str], set[str]]:
     """A run with all sorts of broken cycles: its record goes to `path`. What Python decided, and the faults that it named."""
-    now, rng, lines, faults = 0.0, random.Random(5), [], set()
+    now, rng, lines, faults = 0.0, random.Random(5), list[str](), set[str]()
     supervisor = tm.supervisor(
         spec, backend="numpy", limits=tm.Limits(budget=1e9), clock=lambda: now, record=path
     )

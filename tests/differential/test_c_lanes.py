@@ -225,7 +225,7 @@ def test_a_part_that_does_not_run(name: str, answer: int) -> None:
             evaluator().rules,
             LIMITS,
             readings.__next__,
-            stepping=lambda _, made=stepper: made,
+            stepping=lambda _, made=stepper: made,  # type: ignore[misc]
         )
         ctypes.c_int.in_dll(stepper._dll, "tmg_answer").value = answer
         ctypes.c_int.in_dll(stepper._dll, "tmg_emptied").value = number

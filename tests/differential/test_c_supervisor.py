@@ -25,6 +25,7 @@ from support.sanitized import FLAGS as SANITIZED
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
 from trackmarshal.backends.c.build import EXACT, compiler
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.cli.replay import Known, evaluator_for
 from trackmarshal.errors import TrackmarshalError
@@ -88,7 +89,7 @@ class Beside(Supervisor):
     def __init__(self, made: Supervisor, box: Rulebox) -> None:
         self.__dict__ = made.__dict__
         self._own, self._read_by_c = made._clock, Readings()
-        self._c = CSupervisor(
+        self._c: CSupervisor | None = CSupervisor(
             box.evaluator.spec, box.evaluator.rules, made.limits, self._read_by_c.read, box.settings
         )
         self.compared = 0
@@ -103,7 +104,7 @@ class Beside(Supervisor):
     def step(self, cycle: Any) -> Decision:
         self._seen.clear()
         decision = super().step(cycle)
-        if self._c is not None and getattr(self.program, "sabotage", ""):
+        if getattr(self.program, "sabotage", ""):
             self._c = None
         if self._c is not None:
             self._read_by_c.waiting = list(self._seen)
@@ -185,6 +186,7 @@ def test_what_never_came_back_from_c_drives_nothing() -> None:
     pair = Pair(evaluator())
     pair.step(cycle(0), 0.0, 0.01)
     made = pair.c.stepper
+    assert isinstance(made, Stepper)
     run, made._run = made._run, lambda *_: None
     pair.clocks[0].waiting = [0.1, 0.11]
     decision = pair.c.step(cycle(1))
@@ -269,11 +271,12 @@ def test_under_sanitizers_and_to_the_bit(
     if shutil.which(compiled_by) is None:
         pytest.skip(f"{compiled_by} is not installed")
     monkeypatch.setattr("trackmarshal.backends.c.supervisor.Stepper", tape.Taped)
-    runs = []
+    runs: list[tape.Taped] = []
     for seed in range(1000, 1000 + max(2, min(200, RUNS // 4))):
         pair = Pair(evaluator())
         for given, readings in generated(seed):
             pair.step(given, *readings)
+        assert isinstance(pair.c.stepper, tape.Taped)
         runs.append(pair.c.stepper)
     source = runs[0].source
     tape.write(tmp_path, source)

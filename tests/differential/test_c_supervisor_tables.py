@@ -56,7 +56,7 @@ def evaluator(tmp_path_factory: pytest.TempPathFactory) -> Evaluator:
 
 def test_generated_runs(evaluator: Evaluator) -> None:
     names = ("limits", "brakes")
-    verdicts = Counter[tuple[str, str]]()
+    verdicts = Counter[tuple[str, int]]()
     for seed in range(4):
         pair = Pair(evaluator)
         for given, readings in generated(seed):

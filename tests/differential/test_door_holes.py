@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -109,7 +109,7 @@ def signals(**others: Any) -> Callable[[tm.Cycle], tm.Cycle]:
 def test_empty_borders_where_nothing_asks_for_them(backend: str, empty: Any, when: int) -> None:
     """In the first cycle, and behind another one; rules ask for the track for no object."""
     run = Run(backend)
-    nobody = {name: [] for name in ("x", "y", "v")}
+    nobody: dict[str, list[float]] = {name: [] for name in ("x", "y", "v")}
     for _ in range(when):
         assert run.step(signals(objects=nobody)).safe
     for _ in range(2):
@@ -127,13 +127,9 @@ def test_what_a_mask_hides_is_missing(backend: str) -> None:
 
             def masked(given: tm.Cycle, where: str = where, name: str = name, kind: type = kind) -> tm.Cycle:
                 own = getattr(given, where, None) or given.signals[where]
-                column = np.ma.array(np.array(own[name]).astype(kind), mask=[False, True])
-                changed = {**own, name: column}
-                return (
-                    signals(**{where: changed})(given)
-                    if where == "objects"
-                    else replace(given, **{where: changed})
-                )
+                column: Any = np.ma.array(np.array(own[name]).astype(kind), mask=[False, True])
+                changed: dict[str, Any] = {where: {**own, name: column}}
+                return signals(**changed)(given) if where == "objects" else replace(given, **changed)
 
             assert names(run.step(masked)) == {("not_finite", where, name)}
     track = {**TRACK, "left": np.ma.array(TRACK["left"], mask=[[False, False], [False, True]])}
@@ -146,8 +142,8 @@ def test_stamps_of_every_kind(backend: str) -> None:
     run = Run(backend)
     for kind in (float, int, np.float64, np.float32, np.int64, np.uint8, np.array):
         decision = run.step(
-            lambda given, kind=kind: replace(given, t=kind(int(given.t)), number=given.number)
-        )  # type: ignore[misc]
+            lambda given, kind=kind: replace(given, t=kind(int(given.t)), number=given.number)  # type: ignore[misc]
+        )
         assert decision.safe, (kind, decision.reasons)
         assert (type(decision.t), decision.t) == (float, float(run.number))
     for kind in (int, np.int64, np.uint8, np.array):
@@ -161,7 +157,8 @@ def test_times_and_dates_are_no_numbers(backend: str) -> None:
     """numpy makes whole numbers of those of nanoseconds, and of those without a unit."""
     run = Run(backend)
     assert run.step().safe
-    for unit in ("generic", "ns", "ps"):
+    units: tuple[Literal["generic", "ns", "ps"], ...] = ("generic", "ns", "ps")
+    for unit in units:
         seven = of_no_unit(run.number + 1) if unit == "generic" else np.timedelta64(run.number + 1, unit)
         bad = (
             (lambda given, t=seven: replace(given, t=t), ("wrong_type", "cycle", "t")),
@@ -257,12 +254,12 @@ def test_columns_without_axes(backend: str) -> None:
     ):
         for where in ("driving", "emergency"):
             decision = run.step(
-                lambda given, w=where, v=value: replace(given, **{w: {**getattr(given, w), "v": v}})
-            )  # type: ignore[misc]
+                lambda given, w=where, v=value: replace(given, **{w: {**getattr(given, w), "v": v}})  # type: ignore[misc]
+            )
             assert names(decision) == {("wrong_type", where, "v")}
             decision = run.step(
-                lambda given, w=where, v=value: replace(given, **{w: dict.fromkeys(given.driving, v)})
-            )  # type: ignore[misc]
+                lambda given, w=where, v=value: replace(given, **{w: dict.fromkeys(given.driving, v)})  # type: ignore[misc]
+            )
             assert {name for name, _, _ in names(decision)} == {"wrong_type"}
     assert run.step().safe
 
@@ -285,12 +282,12 @@ def test_numbers_that_no_float_holds(backend: str) -> None:
     run = Run(backend)
     for huge in (10**400, -(10**400), 2**1024):
         bad: list[tuple[Callable[[tm.Cycle], Any], tuple[str, str, str]]] = [
-            (lambda given, h=huge: replace(given, driving={**given.driving, "x": [0.0, h]}), ("not_finite", "driving", "x")),
+            (lambda given, h=huge: replace(given, driving={**given.driving, "x": [0.0, h]}), ("not_finite", "driving", "x")),  # type: ignore[misc]
             (signals(ego={"x": huge, "y": 0.0, "heading": 0.0}), ("not_finite", "ego", "x")),
             (signals(objects=[{"x": huge, "y": 0.0, "v": 0.0}]), ("not_finite", "objects", "x")),
             (signals(track={**TRACK, "right": [[huge, -9.0], [500.0, -9.0]]}), ("not_finite", "track", "right")),
-            (lambda given, h=huge: replace(given, t=h), ("not_finite", "cycle", "t")),
-            (lambda given, h=huge: replace(given, number=h), ("out_of_range", "cycle", "number")),
+            (lambda given, h=huge: replace(given, t=h), ("not_finite", "cycle", "t")),  # type: ignore[misc]
+            (lambda given, h=huge: replace(given, number=h), ("out_of_range", "cycle", "number")),  # type: ignore[misc]
         ]  # fmt: skip
         for change, expected in bad:
             decision = Run(backend).step(change)

@@ -35,11 +35,11 @@ SAID = {"satisfied": "holds", "violated": "broken", "undefined": "unknown"}
 Case = Callable[[float, float, Mapping[str, float]], Mapping[str, Any]]
 
 
-def drawn(compiled: Compiled, rule: str, *axes: str | None) -> Drawn:
+def drawn(compiled: Compiled, rule: str, over: str | None = None, against: str | None = None) -> Drawn:
     info = compiled.spec.rule(rule)
     assert info is not None
     tests, _ = prepare(compiled)
-    ((_, found),) = drawings([info], compiled.spec, tests, (), None, *axes)
+    ((_, found),) = drawings([info], compiled.spec, tests, (), None, over, against)
     return Drawn(picture(found, english(), "k").svg)
 
 
@@ -150,8 +150,8 @@ def test_the_line_is_where_the_verdict_changes(shipped: Compiled) -> None:
             ):
                 continue
             said = [
-                evaluator.case(friction(*picture_.value(side), others)).rules["friction"].verdict
-                for side in sides
+                evaluator.case(friction(kappa, v, others)).rules["friction"].verdict
+                for kappa, v in map(picture_.value, sides)
             ]
             assert sorted(said) == ["satisfied", "violated"], (line, said)
             pieces += 1

@@ -190,14 +190,14 @@ def test_boxes_and_sweeps() -> None:
     generator = np.random.default_rng(6)
     poses, boxes = generator.uniform(-6.0, 6.0, (6, 500)), generator.uniform(-9.0, 9.0, (6, 500))
     found = fast.boxes_clear(*poses, *BODY, *boxes[:3], 3.0, 1.5)
-    swept = fast.sweeps_clear(*poses, *BODY, *boxes, 3.0, 1.5)
+    swept = fast.sweeps_clear(*(*poses, *BODY, *boxes, 3.0, 1.5))
     for k, (a, b, c, d, e, f) in enumerate(poses.T.tolist()):
         box, there = tuple(boxes[:3, k].tolist()), tuple(boxes[3:, k].tolist())
-        expected = reference.clear_margin((a, b, c), (d, e, f), *BODY, box, 3.0, 1.5)  # type: ignore[arg-type]
+        expected = reference.clear_margin((a, b, c), (d, e, f), *BODY, box, 3.0, 1.5)
         assert found[k] == pytest.approx(expected, rel=1e-12)
         if same_trigonometry(c, f, box[2]):
             assert found[k] == expected
-        expected = reference.swept_clearance((a, b, c), (d, e, f), *BODY, box, there, 3.0, 1.5)  # type: ignore[arg-type]
+        expected = reference.swept_clearance((a, b, c), (d, e, f), *BODY, box, there, 3.0, 1.5)
         assert swept[k] == pytest.approx(expected, abs=1e-12)
 
 

@@ -17,7 +17,7 @@ from support.agreement import INEXACT
 from trackmarshal.backends.numpy import logic, steps
 from trackmarshal.backends.numpy.curves import Curve, Curves
 from trackmarshal.ir import arithmetic
-from trackmarshal.ir.operators import FUNCTIONS
+from trackmarshal.ir.operators import FUNCTIONS, ArithmeticOp, ComparisonOp, FunctionName
 from trackmarshal.ir.tables import LINEAR_CLAMP, read
 
 CORNERS = (
@@ -40,7 +40,7 @@ def columns(count: int) -> list[np.ndarray[tuple[int], np.dtype[np.float64]]]:
 
 
 @pytest.mark.parametrize("op", ["+", "-", "*", "/"])
-def test_operators(op: str) -> None:
+def test_operators(op: ArithmeticOp) -> None:
     left, right = columns(2)
     with np.errstate(all="ignore"):
         found = eval(f"left {op} right")
@@ -49,7 +49,7 @@ def test_operators(op: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_functions(name: str) -> None:
+def test_functions(name: FunctionName) -> None:
     """In arrays and alone; those of libm may be neighbours, but never where a value is special."""
     args = columns(FUNCTIONS[name].arity)
     with np.errstate(all="ignore"):
@@ -65,7 +65,7 @@ def test_functions(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_nan_in_nan_out(name: str) -> None:
+def test_nan_in_nan_out(name: FunctionName) -> None:
     for at, other in product(range(FUNCTIONS[name].arity), (0.0, 1.0, -1.0, math.inf)):
         args = [np.array([other])] * FUNCTIONS[name].arity
         args[at] = np.array([math.nan])
@@ -74,7 +74,7 @@ def test_nan_in_nan_out(name: str) -> None:
 
 
 @pytest.mark.parametrize("op", sorted(steps.MEASURED))
-def test_comparisons(op: str) -> None:
+def test_comparisons(op: ComparisonOp) -> None:
     left, right = columns(2)
     measure, says = steps.MEASURED[op]
     with np.errstate(all="ignore"):

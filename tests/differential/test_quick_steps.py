@@ -61,7 +61,7 @@ class Counted:
             self.at_length += 1
             return own(given)
 
-        made._at_length = counted  # type: ignore[method-assign]
+        made._at_length = counted  # type: ignore[method-assign, assignment]
 
     def step(self, given: Any, *ticks: Any) -> Decision:
         self.clock.ticks = list(ticks)
@@ -292,9 +292,9 @@ def test_objects_that_look_otherwise_are_for_python(why: str, monkeypatch: pytes
     [
         ("quick.c", "said_words", [name for name, _ in SAID]),
         ("call.c", "head", [name for name, _ in HEAD]),
-        ("quick.c", "quick", [name.rstrip("_") for name, _ in quick._Quick._fields_]),
-        ("quick.c", "stretch", [name for name, _ in quick._Stretch._fields_]),
-        ("call.h", "calling", [name for name, _ in calling._Calling._fields_]),
+        ("quick.c", "quick", [name.rstrip("_") for name, *_ in quick._Quick._fields_]),
+        ("quick.c", "stretch", [name for name, *_ in quick._Stretch._fields_]),
+        ("call.h", "calling", [name for name, *_ in calling._Calling._fields_]),
     ],
 )
 def test_structs_are_those_of_python(file: str, struct: str, fields: list[str]) -> None:

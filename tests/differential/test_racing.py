@@ -42,7 +42,7 @@ def race(seed: int) -> list[dict[str, Any] | None]:
     # On the large one the road is as good as straight, and a line is kept or changed; on the small one all of it is a corner.
     radius, width = r.choice([80.0, 900.0]), r.choice([9.0, 14.0])
     track = ring(radius, width, 90 if radius < 100.0 else 360)
-    cars = [
+    cars: list[dict[str, Any]] = [
         {"id": name, "s": r.uniform(-15, 25), "d": r.uniform(-3, 3), "v": r.uniform(14, 26)} for name in "abc"
     ]
     me = {"s": 0.0, "d": 0.0, "v": r.choice([14.0, 26.0]), "across": 0.0}
