@@ -62,7 +62,8 @@ def test_characters_that_a_screen_does_not_show_are_refused(char: str) -> None:
 
 
 def test_letters_of_all_languages_are_not() -> None:
-    assert decode("a.spec", "module a -- 速度 ≤ μ é\u0301 \U0001f600\n".encode())
+    text = "module a -- 速度 ≤ μ é\u0301 \U0001f600\n"
+    assert decode("a.spec", text.encode()).text == text
 
 
 def test_reading_a_file(tmp_path: Path) -> None:
