@@ -26,6 +26,11 @@ _FAILED = pytest.StashKey[bool]()
 _SAID = pytest.StashKey[str]()
 #: Whether all was set up for a test that was not called yet.
 _READY = pytest.StashKey[bool]()
+#: By path from pytest's root directory, the sha256 of what files of tests held when they were collected: a test may run long after that, and
+#: its file be another one by then. Where records are written.
+_HELD = pytest.StashKey[dict[str, str]]()
+#: The attribute of a report that has those of its test; pytest-xdist carries it from its workers.
+_CARRIED = "trackmarshal_held"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -57,12 +62,17 @@ def pytest_make_collect_report(
     collector: pytest.Collector,
 ) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
     """Tests get what they verify as properties; what is wrong with that fails the file or class that they stand in."""
+    recorded = collector.config.getoption("--trackmarshal-results")
+    if recorded and isinstance(collector, pytest.File):  # before it is imported
+        _hold(collector.config, collector.nodeid)
     report = yield
     wrong: dict[str, None] = {}
     for item in report.result or ():
         if isinstance(item, pytest.Item):
             ids, said = _verified(item)
             item.user_properties += [(VERIFIES, id_) for id_ in ids]
+            if ids and recorded:
+                _hold(item.config, item.location[0])
             wrong |= dict.fromkeys(said)
     if wrong:
         report.outcome = "failed"
@@ -86,6 +96,10 @@ def pytest_runtest_makereport(
         said = "skipped"
     elif not before and report.when == "teardown" and item.stash.get(_READY, False):
         said = "error"
+    if _names(item):
+        held = item.config.stash.get(_HELD, {})
+        files = (item.location[0], item.nodeid.partition("::")[0])
+        setattr(report, _CARRIED, {file: held[file] for file in files if file in held})
     item.stash[_READY] = report.when == "setup" and report.passed
     item.stash[_FAILED] = item.stash.get(_FAILED, False) or report.failed
     if said != before:
@@ -207,6 +221,18 @@ class _Said:
             pytest.fail(f"this test is to verify a requirement, and {self._wrong}", pytrace=False)
 
 
+def _hold(config: pytest.Config, file: str) -> None:
+    """Note what a file of tests holds, by its path from pytest's root directory, the first time that it is asked for; empty where it cannot be read."""
+    from trackmarshal.files import digest, read_regular
+
+    held = config.stash.setdefault(_HELD, {})
+    if file not in held:
+        try:
+            held[file] = digest(read_regular(config.rootpath / file))
+        except (OSError, ValueError):
+            held[file] = ""
+
+
 def _names(item: pytest.Item) -> bool:
     """Whether a test names what it verifies."""
     return any(name == VERIFIES for name, _ in item.user_properties)
@@ -281,7 +307,7 @@ class _Seen:
     ids: tuple[str, ...]
     file: str
     line: int
-    held: str = ""  #: sha256 of what the file held
+    held: str = ""  #: sha256 of what the file held when the test was collected
     collected: str = ""  #: the file of its class, where that inherits it from another file
     collected_held: str = ""
     outcome: str = ""
@@ -300,7 +326,6 @@ class _Results:
         self._config = config
         self._path = path
         self._seen: dict[str, _Seen] = {}
-        self._files: dict[str, str] = {}
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         ids = tuple(str(value) for name, value in report.user_properties if name == VERIFIES)
@@ -313,8 +338,9 @@ class _Results:
             if self._installed(file):
                 file, line = collected, None
             own = "" if collected == Path(file).as_posix() else collected
+            held: dict[str, str] = getattr(report, _CARRIED, {})
             self._seen[report.nodeid] = _Seen(
-                ids, file, (line or 0) + 1, self._held(file), own, self._held(own) if own else ""
+                ids, file, (line or 0) + 1, held.get(file, ""), own, held.get(own, "")
             )
         seen = self._seen[report.nodeid]
         seen.phases.add(report.when or "")
@@ -351,17 +377,6 @@ class _Results:
         return any(
             whole.is_relative_to(Path(sysconfig.get_path(kind)).resolve()) for kind in ("purelib", "platlib")
         )
-
-    def _held(self, file: str) -> str:
-        """The sha256 of what a file of tests holds when the first of its tests is done; empty where it cannot be read."""
-        from trackmarshal.files import digest, read_regular
-
-        if file not in self._files:
-            try:
-                self._files[file] = digest(read_regular(self._config.rootpath / file))
-            except (OSError, ValueError):
-                self._files[file] = ""
-        return self._files[file]
 
     def _shown(self, file: str) -> str:
         """A path from the project's folder, where there is one."""

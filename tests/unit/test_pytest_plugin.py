@@ -117,6 +117,20 @@ def test_of_an_inherited_test_both_files_are_held(project: Path, more: list[str]
     assert test.collected_hash == hashlib.sha256(own.encode()).hexdigest()
 
 
+@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
+def test_a_file_is_held_as_it_was_collected_whatever_becomes_of_it_before_its_tests_run(
+    project: Path, more: list[str]
+) -> None:
+    edits = 'from pathlib import Path\n\n\ndef test_it():\n    Path(__file__).with_name("test_door.py").write_text("def test_it(): assert False\\n")\n'
+    (project / "tests" / "test_ahead.py").write_text(edits, "utf-8")
+    own = 'import pytest\n\n\n@pytest.mark.verifies("RR-1")\ndef test_limit(): ...\n'
+    done = run(project, own, "--trackmarshal-results=out/a.json", *more)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (test,) = load(project / "out" / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert test.file_hash == hashlib.sha256(own.encode()).hexdigest()
+
+
 def test_of_what_an_installed_package_runs_its_own_file_is_held(project: Path) -> None:
     """Where packages lie is not the same where the gate is asked."""
     own = (
