@@ -100,6 +100,14 @@ def test_catch2_lists_what_it_counts_as_failed_and_skipped(tmp_path: Path) -> No
             _of(tmp_path, text)
 
 
+def test_pytest_counts_each_subtest_that_was_skipped_and_lists_it_in_its_test(tmp_path: Path) -> None:
+    suite = '<testsuites name="pytest tests"><testsuite name="pytest" errors="0" failures="0" skipped="{}" tests="5">{}</testsuite></testsuites>'
+    twice = '<testcase name="x"><skipped type="pytest.skip"/><skipped type="pytest.skip"/></testcase><testcase name="y"/>'
+    assert _of(tmp_path, suite.format(2, twice)) == ["skipped", "passed"]
+    with pytest.raises(TrackmarshalError, match="says that 3 tests were skipped, and lists 2"):
+        _of(tmp_path, suite.format(3, twice))
+
+
 def test_only_its_own_words_excuse_what_failed(tmp_path: Path) -> None:
     """What GoogleTest skips after it failed has failed, and no other runner knows the words of Catch2."""
     for skipped in (
