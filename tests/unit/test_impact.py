@@ -15,6 +15,7 @@ import pytest
 from golden.trace.cases import HERE
 from support.project import command, run_command
 from trackmarshal.cli.answers import commit
+from trackmarshal.files import digest
 from trackmarshal.meaning.tool import HERE as HERE_OF_ENGINE
 from trackmarshal.meaning.tool import tool, tool_of
 from trackmarshal.records import ExternalTest, ResultsFile, save
@@ -350,6 +351,30 @@ def test_a_new_document_and_source_code(robot: Path) -> None:
     found = impact(robot)
     assert named(found, "changed") == ["code src/drive.py"]
     assert named(found) == ["external test t: slow"]
+    # A checkout with other ends of lines holds the same.
+    (robot / "src" / "drive.py").write_bytes(b"# implements SW-1\r\nspeed = 0.3\r\n")
+    assert impact(robot)["changed"] == []
+
+
+def test_a_test_of_another_runner_whose_file_was_edited(robot: Path) -> None:
+    """What the gate calls stale has to be made again, although no requirement changed."""
+    ran = "def test_slow(): ...\n"
+    (robot / "test_t.py").write_text(ran, "utf-8")
+    test = ExternalTest("t", "slow", ("SW-1",), "passed", file="test_t.py", file_hash=digest(ran.encode()))
+    save(robot / "tests.json", ResultsFile("external_tests", (test,), "1", "2026-01-01T00:00:00+00:00"))
+    edit(
+        robot,
+        "requirements/v-model.yaml",
+        "  default_spec: specs\n",
+        "  default_spec: specs\n  junit: [{path: tests.json, stage: TST-1}]\n",
+    )
+    git(robot, "add", "-A")
+    git(robot, "commit", "-qm", "tests")
+    assert impact(robot)["again"] == []
+    (robot / "test_t.py").write_text("def test_slow(): assert False\n", "utf-8")
+    found = impact(robot)
+    assert named(found) == ["external test t: slow"]
+    assert found["again"][0]["why"] == "its file has changed since it ran"
 
 
 @pytest.mark.parametrize("size", [2, 7])

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from trackmarshal.trace import faults
 from trackmarshal.trace.baseline import Baseline, carried, changes
+from trackmarshal.trace.external import STALE
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.impact.resting import resting, rests_on
@@ -50,7 +51,7 @@ def tasks(before: Version, now: Version, hit: Collection[Key], baseline: Baselin
     yield from _runs(before, now, dark)
     yield from _faults(before, now, dark)
     done: set[Key] = set()
-    for task in (*_themselves(before, now, hit, dark), *_resting(now, hit)):
+    for task in (*_themselves(before, now, hit, dark), *_resting(now, hit), *_ran_otherwise(now)):
         if task.key not in done:
             done.add(task.key)
             yield task
@@ -157,6 +158,13 @@ def _resting(now: Version, hit: Collection[Key]) -> Iterator[Task]:
                         "run",
                         f"{called(changed)}, which implements {called(requirement)}, has changed since",
                     )
+
+
+def _ran_otherwise(now: Version) -> Iterator[Task]:
+    """Tests of other runners whose result is of another version of their file: a report is of no revision, and may be the one of then."""
+    for node in now.graph.by_kind.get("external test", ()):
+        if node.attributes["outcome"] == STALE:
+            yield Task(node.key, "run", node.title)
 
 
 __all__ = ["DOING", "Task", "tasks"]

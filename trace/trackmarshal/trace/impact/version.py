@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from trackmarshal.files import read_regular
+from trackmarshal.files import digest, read_regular
 from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
 from trackmarshal.trace import backing, files, outside, requirements
 from trackmarshal.trace import baseline as baselines
@@ -87,4 +86,4 @@ def version(
 
 
 def _hash(path: Path) -> str:
-    return hashlib.sha256(read_regular(path)).hexdigest()
+    return digest(read_regular(path))
