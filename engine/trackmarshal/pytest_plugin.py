@@ -147,8 +147,9 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None]:
 
 @pytest.hookimpl(wrapper=True, trylast=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, object]:
-    """A function that returns something has failed: what was to be asserted is handed to pytest, which passes it with a warning."""
-    called, said = pyfuncitem.obj, _Said()
+    """A function that returns something has failed: what was to be asserted is handed to pytest, which passes it with a warning. So has one that
+    a hook took for itself and did not call, as for a dry run."""
+    called, said = pyfuncitem.obj, _Said("nothing called it in this process, so that its body never began")
     if not _names(pyfuncitem) or iscoroutinefunction(called):  # pytest itself fails what nothing awaits
         return (yield)
     pyfuncitem.obj = said.of(called)
@@ -183,9 +184,10 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None]:
 
 
 class _Said:
-    """What came of calling the function of a test, noted in passing."""
+    """What came of calling the function of a test, noted in passing. uncalled: what is wrong where nothing does."""
 
-    def __init__(self) -> None:
+    def __init__(self, uncalled: str = "") -> None:
+        self._uncalled = uncalled
         self._wrong = ""
 
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -204,6 +206,7 @@ class _Said:
 
         @wraps(function)
         def called(*args: object, **named: object) -> object:
+            self._uncalled = ""
             return self._seen(function(*args, **named))
 
         return called
@@ -217,8 +220,9 @@ class _Said:
 
     def hold(self) -> None:
         """Fail the test where what it did shows nothing."""
-        if self._wrong:
-            pytest.fail(f"this test is to verify a requirement, and {self._wrong}", pytrace=False)
+        wrong = self._wrong or self._uncalled
+        if wrong:
+            pytest.fail(f"this test is to verify a requirement, and {wrong}", pytrace=False)
 
 
 def _hold(config: pytest.Config, file: str) -> None:

@@ -337,6 +337,19 @@ def test_what_never_asked_anything_has_failed(project: Path) -> None:
     )
 
 
+def test_what_a_hook_passes_and_never_calls_has_failed(project: Path) -> None:
+    """So projects make a dry run, in a hook of which pytest asks nothing more."""
+    (project / "tests" / "conftest.py").write_text(
+        "import pytest\n\n@pytest.hookimpl(tryfirst=True)\ndef pytest_pyfunc_call(pyfuncitem):\n    return True\n", "utf-8"
+    )  # fmt: skip
+    tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\ndef test_other(): ...\n'
+    done = run(project, tests, "--trackmarshal-results=out/a.json")
+    assert done.returncode == 1, done.stdout + done.stderr
+    (test,) = load(project / "out" / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert (test.outcome, "nothing called it" in test.message) == ("failed", True)
+
+
 REPEATS = """
 from _pytest.runner import runtestprotocol
 
