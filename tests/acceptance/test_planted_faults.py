@@ -100,6 +100,9 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "an acceptance merged",
         "less accepted twice, and more again, in one commit",
         "acceptances of two branches, and one more of both",
+        "acceptances of two branches, and one more of both, merged where they began",
+        "acceptances of two branches, and one more on top of the other's",
+        "acceptances of two branches, and one more on top of the other's, merged where they began",
     ],
 )
 def test_what_is_worded_otherwise_comes_out_again(name: str, project: Path) -> None:

@@ -28,7 +28,8 @@ CODES = {
         "Acceptances of the baseline are only ever added to, by `--accept-baseline`, with who accepted what. Between two versions that git has of the file, or "
         "between the last one and that in the folder, something else was changed: what is held became another thing without an acceptance, or an earlier "
         "acceptance reads differently, or is gone; or a merge dropped what was accepted on a branch. `--rerun` looks for that in all versions that there are. "
-        "Acceptances on top of such a change do not heal it; to restore the file does, and so does an acceptance by name of whatever is less since.",
+        "Acceptances on top of such a change do not heal it; to restore the file does, and so does an acceptance by name of whatever is less since. "
+        "Of two branches that both accepted something, a merge takes the baseline of either one, on top of which whatever the other one has is accepted again.",
     ),
     "T381": (
         "nobody knows who accepted the baseline",
@@ -99,7 +100,7 @@ def _merged(root: Path, baseline: str) -> Iterator[Finding]:
     for line, (commit, one) in lines.items():
         if now is None or any(_goes_on(other, line) for other in (*lines, now.acceptances)):
             continue
-        both = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(line, now.acceptances)))
+        both = _common(line, now.acceptances)
         lost = _unnamed(changes(one.content, now.content), now.acceptances[both:])
         if lost is not None:
             message = f"what was accepted in commit {commit[:12]} was merged, and dropped: nobody is named who accepted that {lost}"
@@ -238,6 +239,9 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         if restored is not None:
             number, accepted = restored, True
             continue
+        if why is not None and _other_line_goes_on(root, commit, named.get(commit, ""), before, after, now):
+            number = older
+            continue
         if why is not None and not (accepted and _made_good(before, now)):
             then = versions[older][0]
             message = f"the baseline was changed{_since(commit)} without an acceptance: {why}"
@@ -254,6 +258,47 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         )
     elif not whole:
         yield _older(place)
+
+
+def _other_line_goes_on(
+    root: Path, commit: str, file: str, before: Baseline, after: Baseline | None, now: Baseline | None
+) -> bool:
+    """Whether a merge goes on with the acceptances of a branch that was merged, and not with those of its first parent, and names whatever is less by that.
+
+    Of two branches that both accepted something, one line of acceptances has to be begun anew on top of the other one, whichever of them is the first parent
+    later. The branch has to come properly of what both had in common.
+    """
+    from trackmarshal.trace.baseline import changes
+
+    if not commit or after is None or now is None:
+        return False
+    merged = _git(root, "rev-list", "--parents", "--max-count=1", commit).split()[2:]
+    if not any(_comes_of_common(root, parent, file, before, after) for parent in merged):
+        return False
+    both = _common(before.acceptances, now.acceptances)
+    return _unnamed(changes(before.content, now.content), now.acceptances[both:]) is None
+
+
+def _comes_of_common(root: Path, parent: str, file: str, before: Baseline, after: Baseline) -> bool:
+    """Whether a version has acceptances more, each properly along the first parents of a commit, than one whose acceptances another version has, too."""
+    changed = _git(root, "log", "--first-parent", f"--max-count={MOST}", "--format=%H", parent, "--", file)
+    newer = after
+    for commit in [parent, *changed.split()]:
+        older = _held(_in_lines(_version(root, commit, file)))
+        if older is None:
+            return False
+        if older != newer:
+            if _rewritten(older, newer) is not None:
+                return False
+            if _common(older.acceptances, before.acceptances) == len(older.acceptances):
+                return True
+        newer = older
+    return False
+
+
+def _common(one: Sequence[Acceptance], other: Sequence[Acceptance]) -> int:
+    """How many acceptances both begin with."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other)))
 
 
 def _restored_and_accepted(versions: list[tuple[str, bytes]], number: int, after: Baseline) -> int | None:

@@ -176,10 +176,13 @@ def _beside_another(root: Path) -> None:
     all_of(committed("nothing"), git("add", *_PARTS), committed("again"))(root)
 
 
-def _merged(how: str, *, beside: Edit | None = None, again: bool = False) -> Edit:
+def _merged(
+    how: str, *, beside: Edit | None = None, again: str = "", changed: Edit | None = None, back: bool = False
+) -> Edit:
     """A branch, on which something may be accepted as well, that merges what was meanwhile accepted where it began, so or so.
 
-    again: what is there after it is accepted anew, on top of the branch's own baseline.
+    again: what is there after it is accepted anew, on top of the baseline of this revision: HEAD, the branch's own; MERGE_HEAD, where it began.
+    changed: what is done to the baseline in the merge. back: the branch is merged where it began.
     """
 
     def edit(root: Path) -> None:
@@ -195,8 +198,11 @@ def _merged(how: str, *, beside: Edit | None = None, again: bool = False) -> Edi
         run_git(root, "checkout", "-q", "branch")
         run_git(root, "merge", "-q", *how.split(), *(["--no-commit"] if again else ["-m", "merged"]), begun)
         if again:
-            own = git("checkout", "-q", "HEAD", "--", BASELINE)
-            all_of(own, agreed(lambda _: None), committed("merged"))(root)
+            own = git("checkout", "-q", again, "--", BASELINE)
+            all_of(own, agreed(lambda _: None), changed or (lambda _: None), committed("merged"))(root)
+        if back:
+            run_git(root, "checkout", "-q", begun)
+            run_git(root, "merge", "-q", "--no-ff", "-m", "merged back", "branch")
 
     return edit
 
@@ -331,6 +337,8 @@ FAULTS = [
     Fault("an acceptance of less than was struck", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [review]")), accepted(_said_otherwise("requirement S-1: in its verification `test` left", "unreviewed requirement S-1 is new"), rehash=False)), "T380", rerun=True),
     Fault("an acceptance of another value", all_of(agreed(swap(V, "{satisfied: 1, violated: 1, boundary: 1}", "{satisfied: 1, violated: 1, boundary: 0}")), accepted(_said_otherwise("project: its boundary tests a rule changed from 2 to 1"), rehash=False)), "T380", rerun=True),
     Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
+    Fault("an acceptance dropped by a branch that is merged where it began", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", back=True), "T380", rerun=True),
+    Fault("another name under an acceptance of a branch that is merged where it began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", changed=accepted(lambda held: held["acceptances"][-2].update(by="Eve Else"), rehash=False), back=True), "T380", rerun=True),
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
@@ -394,7 +402,10 @@ EDITS = [
     Harmless("another project in the repository, which is gone", _beside_another),
     Harmless("the baseline with the ends of lines of Windows", remade(BASELINE, lambda data: data.replace(b"\n", b"\r\n"))),
     Harmless("an acceptance merged", _merged("")),
-    Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again=True)),
+    Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD")),
+    Harmless("acceptances of two branches, and one more of both, merged where they began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", back=True)),
+    Harmless("acceptances of two branches, and one more on top of the other's", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="MERGE_HEAD")),
+    Harmless("acceptances of two branches, and one more on top of the other's, merged where they began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="MERGE_HEAD", back=True)),
     Harmless("less accepted twice, and more again, in one commit", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [test]")), agreed(swap(V, "boundary: 1", "boundary: 0")), agreed(swap(V, "satisfied: 1, ", "satisfied: 0, ")), committed("less"))),
     Harmless("a report that may be missing, accepted when nobody was asked for a name", all_of(agreed(all_of(REPORTED, ran("fast"))), accepted(lambda held: held["acceptances"][-1].update(weaker=[one for one in held["acceptances"][-1]["weaker"] if "report" not in one]), rehash=False), committed("report"))),
     Harmless("a baseline of before, which does not hold what a page does not name", accepted(lambda held: held["content"]["evidence docs/planner.md at S-2-A"].pop("unnamed"), rehash=True)),
