@@ -102,6 +102,7 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "acceptances of two branches, and one more of both",
         "acceptances of two branches, and one more of both, merged where they began",
         "acceptances of two branches, and one more on top of the other's",
+        "acceptances of two branches, and one more on top of the other's, not committed",
         "acceptances of two branches, and one more on top of the other's, merged where they began",
     ],
 )

@@ -239,7 +239,9 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
         if restored is not None:
             number, accepted = restored, True
             continue
-        if why is not None and _other_line_goes_on(root, commit, named.get(commit, ""), before, after, now):
+        if why is not None and _other_line_goes_on(
+            root, commit, named.get(commit, baseline), before, after, now
+        ):
             number = older
             continue
         if why is not None and not (accepted and _made_good(before, now)):
@@ -270,9 +272,12 @@ def _other_line_goes_on(
     """
     from trackmarshal.trace.baseline import changes
 
-    if not commit or after is None or now is None:
+    if after is None or now is None:
         return False
-    merged = _git(root, "rev-list", "--parents", "--max-count=1", commit).split()[2:]
+    if commit:
+        merged = _git(root, "rev-list", "--parents", "--max-count=1", commit).split()[2:]
+    else:  # a merge that is not committed yet
+        merged = _git(root, "rev-parse", "--revs-only", "MERGE_HEAD").split()
     if not any(_comes_of_common(root, parent, file, before, after) for parent in merged):
         return False
     both = _common(before.acceptances, now.acceptances)

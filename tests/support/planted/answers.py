@@ -177,12 +177,18 @@ def _beside_another(root: Path) -> None:
 
 
 def _merged(
-    how: str, *, beside: Edit | None = None, again: str = "", changed: Edit | None = None, back: bool = False
+    how: str,
+    *,
+    beside: Edit | None = None,
+    again: str = "",
+    changed: Edit | None = None,
+    done: bool = True,
+    back: bool = False,
 ) -> Edit:
     """A branch, on which something may be accepted as well, that merges what was meanwhile accepted where it began, so or so.
 
     again: what is there after it is accepted anew, on top of the baseline of this revision: HEAD, the branch's own; MERGE_HEAD, where it began.
-    changed: what is done to the baseline in the merge. back: the branch is merged where it began.
+    changed: what is done to the baseline in the merge. done: whether that is committed. back: the branch is merged where it began.
     """
 
     def edit(root: Path) -> None:
@@ -199,7 +205,9 @@ def _merged(
         run_git(root, "merge", "-q", *how.split(), *(["--no-commit"] if again else ["-m", "merged"]), begun)
         if again:
             own = git("checkout", "-q", again, "--", BASELINE)
-            all_of(own, agreed(lambda _: None), changed or (lambda _: None), committed("merged"))(root)
+            all_of(own, agreed(lambda _: None), changed or (lambda _: None))(root)
+        if again and done:
+            committed("merged")(root)
         if back:
             run_git(root, "checkout", "-q", begun)
             run_git(root, "merge", "-q", "--no-ff", "-m", "merged back", "branch")
@@ -405,6 +413,7 @@ EDITS = [
     Harmless("acceptances of two branches, and one more of both", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD")),
     Harmless("acceptances of two branches, and one more of both, merged where they began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", back=True)),
     Harmless("acceptances of two branches, and one more on top of the other's", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="MERGE_HEAD")),
+    Harmless("acceptances of two branches, and one more on top of the other's, not committed", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="MERGE_HEAD", done=False)),
     Harmless("acceptances of two branches, and one more on top of the other's, merged where they began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="MERGE_HEAD", back=True)),
     Harmless("less accepted twice, and more again, in one commit", all_of(agreed(swap(R, "verification: [test, scenario]", "verification: [test]")), agreed(swap(V, "boundary: 1", "boundary: 0")), agreed(swap(V, "satisfied: 1, ", "satisfied: 0, ")), committed("less"))),
     Harmless("a report that may be missing, accepted when nobody was asked for a name", all_of(agreed(all_of(REPORTED, ran("fast"))), accepted(lambda held: held["acceptances"][-1].update(weaker=[one for one in held["acceptances"][-1]["weaker"] if "report" not in one]), rehash=False), committed("report"))),
