@@ -123,6 +123,19 @@ def test_each_of_several_counts(tmp_path: Path) -> None:
     assert one.status == "waived"  # partial, for which somebody answers
 
 
+@pytest.mark.parametrize("order", [("a", "b"), ("b", "a")])
+def test_of_one_test_in_two_reports_the_worse_outcome_is_told(order: tuple[str, str], tmp_path: Path) -> None:
+    """`trace --to "external test"` and the safety case said that it passed, and the cell that it failed."""
+    small = project(tmp_path, "junit: [{path: out/reports, stage: S-3-B}]")
+    passed = PASSED.format("door", "S-1-B-1")
+    failed = passed.replace("</testcase>", "<failure message='stuck'/></testcase>")
+    for name, test in zip(order, (passed, failed), strict=True):
+        report(small, test, path=f"out/reports/{name}.xml")
+    assert cell(small, "S-1-B-1").status == "failed"
+    (node,) = small.matrix().graph.by_kind["external test"]
+    assert (node.attributes["outcome"], node.title) == ("failed", "stuck")
+
+
 def test_what_fails_below_shows_above(tmp_path: Path) -> None:
     small = project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]")
     bad = PASSED.format("grip", "RR-2").replace("</testcase>", "<error/></testcase>")

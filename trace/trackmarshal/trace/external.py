@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -20,6 +20,8 @@ from trackmarshal.trace.values import Placed
 
 #: What a test came to that passed with another version of its file.
 STALE = "stale"
+#: What a test may have come to, from worst to best.
+_ORDER = ("error", "failed", STALE, "skipped", "passed")
 #: In a regular expression a group that is repeated, in its first group; escapes and sets of characters are passed over.
 _REPEATED = re.compile(r"\\.|\[\^?\]?(?:\\.|[^\]\\])*\]|(\)(?:\s|\(\?#[^)]*\))*[*+{])", re.DOTALL)
 
@@ -50,6 +52,17 @@ def verdict(test: ExternalTest) -> tuple[str, str]:
             return "missing", f"skipped: {test.message}" if test.message else "skipped"
         case other:
             raise ValueError(f"unknown outcome {other!r}")
+
+
+def worst(tests: Iterable[External]) -> Iterator[External]:
+    """Of tests that are called the same, such as one in two reports, the one that came to the worst; in their order."""
+    found: dict[tuple[str, str], External] = {}
+    for external in tests:
+        key = (external.test.suite, external.test.name)
+        other = found.setdefault(key, external)
+        if _ORDER.index(external.test.outcome) < _ORDER.index(other.test.outcome):
+            found[key] = external
+    yield from found.values()
 
 
 def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[External]:

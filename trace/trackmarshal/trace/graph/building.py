@@ -17,7 +17,7 @@ from trackmarshal.records import (
     TestResult,
 )
 from trackmarshal.trace import faults
-from trackmarshal.trace.external import External
+from trackmarshal.trace.external import External, worst
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import works
@@ -253,7 +253,7 @@ class _Building:
             )
 
     def _outside(self) -> None:
-        for external in self.around.tests:
+        for external in worst(self.around.tests):
             test = external.test
             attributes = {
                 "outcome": test.outcome, "stage": str(external.stage), "tool": test.tool, "created": test.created,
