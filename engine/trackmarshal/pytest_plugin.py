@@ -331,6 +331,11 @@ class _Results:
         self._path = path
         self._seen: dict[str, _Seen] = {}
 
+    def pytest_sessionstart(self) -> None:
+        """What an earlier session wrote is not what this one comes to, which may be killed before it writes."""
+        if self._path.is_file():
+            self._path.unlink()
+
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         ids = tuple(str(value) for name, value in report.user_properties if name == VERIFIES)
         if not ids:
@@ -367,7 +372,7 @@ class _Results:
                 seen.outcome, seen.message = "error", "it did not run to its end"
             items.append(
                 ExternalTest(
-                    suite, name, tuple(dict.fromkeys(seen.ids)), seen.outcome, seen.message, self._shown(seen.file),
+                    _whole(suite), _whole(name), tuple(dict.fromkeys(seen.ids)), seen.outcome, _whole(seen.message), self._shown(seen.file),
                     seen.line, seen.duration, f"pytest {pytest.__version__}", now, file_hash=seen.held,
                     collected=self._shown(seen.collected) if seen.collected else "", collected_hash=seen.collected_held,
                 )
@@ -387,6 +392,11 @@ class _Results:
         root = _project(self._config)
         whole = self._config.rootpath / file
         return Path(os.path.relpath(whole, root)).as_posix() if root is not None else Path(file).as_posix()
+
+
+def _whole(text: str) -> str:
+    """A text without halves of pairs of surrogates, such as Python makes of bytes in names of files that are no UTF-8: no file can hold them."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _outcome(report: pytest.TestReport) -> tuple[str, str]:

@@ -690,8 +690,15 @@ def _refused(message: str) -> TrackmarshalError:
 
 
 def strict(data: bytes) -> Any:
-    """What JSON says that has no NaN, and no name twice in an object, of which readers take the one or the other; raises ValueError, RecursionError."""
-    return json.loads(data.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+    """What JSON says that has no NaN, no name twice in an object, of which readers take the one or the other, and no half of a pair of surrogates, which
+    nobody can print; raises ValueError, RecursionError."""
+    value = json.loads(data.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+    if b"\\u" in data:
+        try:
+            json.dumps(value, ensure_ascii=False).encode()
+        except UnicodeEncodeError as error:
+            raise ValueError("half a pair of surrogates is no character") from error
+    return value
 
 
 def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

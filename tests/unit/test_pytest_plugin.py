@@ -100,7 +100,9 @@ def run(project: Path, tests: str, *arguments: str) -> subprocess.CompletedProce
     ]
     # Not what else is installed beside it: to load that takes three times as long as all the rest of a run.
     alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    return subprocess.run(command, cwd=project, capture_output=True, text=True, check=False, env=alone)
+    return subprocess.run(
+        command, cwd=project, capture_output=True, text=True, errors="replace", check=False, env=alone
+    )
 
 
 @pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
@@ -348,6 +350,30 @@ def test_what_a_hook_passes_and_never_calls_has_failed(project: Path) -> None:
     (test,) = load(project / "out" / "a.json").items
     assert isinstance(test, ExternalTest)
     assert (test.outcome, "nothing called it" in test.message) == ("failed", True)
+
+
+def test_a_message_that_no_file_can_hold_is_written_all_the_same(project: Path) -> None:
+    """Nothing was written, and what an earlier session had written stayed."""
+    mark = '@pytest.mark.verifies("S-1-B-1")\n'
+    raises = 'raise FileNotFoundError(os.fsdecode(b"caf\\xe9"))'
+    done = run(
+        project, f"import os, pytest\n{mark}def test_it(): {raises}\n", "--trackmarshal-results=out/a.json"
+    )
+    assert done.returncode == 1, done.stdout + done.stderr
+    (test,) = load(project / "out" / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert (test.outcome, "caf\\udce9" in test.message) == ("failed", True)
+
+
+def test_what_an_earlier_session_wrote_does_not_outlive_one_that_is_killed(project: Path) -> None:
+    mark = '@pytest.mark.verifies("S-1-B-1")\n'
+    tests = f"import os, pytest\n{mark}def test_it(): 'DIE' in os.environ and os._exit(1)\n"
+    assert run(project, tests, "--trackmarshal-results=out/a.json").returncode == 0
+    assert load(project / "out" / "a.json").items
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DIE", "1")
+        assert run(project, tests, "--trackmarshal-results=out/a.json").returncode == 1
+    assert not (project / "out" / "a.json").exists()
 
 
 REPEATS = """

@@ -163,11 +163,12 @@ def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_p
             b'{"items": [{"outcome": "failed", "outcome": "passed"}]}',
             "`outcome` is there twice in one object",
         ),
+        (b'{"items": [{"name": "\\ud800"}]}', "half a pair of surrogates is no character"),
         (b"[]", "results file: an object is expected, not a list"),
         (b'{"format": "sarif"}', "its format is not `trackmarshal-results`"),
         (b'{"format": "trackmarshal-results", "version": 2}', "version 2 is newer"),
     ],
-    ids=["empty", "binary", "nan", "deep", "twice", "list", "format", "version"],
+    ids=["empty", "binary", "nan", "deep", "twice", "surrogate", "list", "format", "version"],
 )
 def test_what_is_no_results_file_is_refused(content: bytes, said: str, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
