@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 from collections.abc import Callable
@@ -72,6 +73,14 @@ def test_an_unchanged_project_is_shown_again_with_nothing_made(project: Path, ma
     assert run_command("assess") == first
     assert made == []
     assert pages(project) == before
+
+
+def test_a_file_whose_name_no_document_can_hold(project: Path) -> None:
+    """Bytes that are no UTF-8, as an archive of another system leaves them."""
+    (project / "requirements" / os.fsdecode(b"caf\xe9.yaml")).touch()  # empty, so that it is named
+    status, _, err = run_command("assess")
+    assert (status, "internal error" in err) == (2, False)  # a document that cannot be used
+    assert "caf?.yaml" in (project / "out/assess/matrix.md").read_text("utf-8")
 
 
 def _replaced(name: str, old: str, new: str) -> Callable[[Path], None]:

@@ -60,14 +60,14 @@ def _assessed(args: argparse.Namespace) -> int:
     matrix = made.matrix(today)
     target.mkdir(parents=True, exist_ok=True)
     texts = {format_: trace.render(matrix, format_) for format_ in ("json", "csv", "md")}
+    # Lone surrogates (from odd paths) have no encoding; no document must fail on them.
     for format_, text in texts.items():
-        (target / f"matrix.{format_}").write_text(text, encoding="utf-8")
+        (target / f"matrix.{format_}").write_bytes(text.encode("utf-8", "replace"))
     summary = json.loads(texts["json"])
     pages = dict(
         zip((run_.scenario for run_ in shown.runs), page_addresses([run_.record for run_ in shown.runs]))
     )
     beside = page_beside(made, matrix, args.against, pages, index="index.html")
-    # Lone surrogates (from odd paths) have no encoding; a page must not fail on them.
     (target / "matrix.html").write_bytes(
         trace.render(matrix, "html", beside=beside).encode("utf-8", "replace")
     )
