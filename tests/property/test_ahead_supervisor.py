@@ -101,11 +101,7 @@ rule later "made up"
     spec = loads(text)
     rule = spec.rules[0]
     assert [one.name for one in layout(spec, [rule]).named] == ["objects"]
-    stripped = RuleInfo(
-        *(
-            rule.reads - {("objects", "id")} if name == "reads" else getattr(rule, name)
-            for name in rule.fields
-        )
-    )
+    fields: dict[str, Any] = {name: getattr(rule, name) for name in rule.fields}
+    stripped = RuleInfo(*(fields | {"reads": rule.reads - {("objects", "id")}}).values())
     with pytest.raises(AssertionError, match=r"ids of \['objects'\]"):
         layout(spec, [stripped])

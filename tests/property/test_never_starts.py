@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import pytest
@@ -25,7 +26,7 @@ def test_what_is_warned_of_never_starts() -> None:
     warned = started = 0
     for seed in amount((5, 10, 15, 278, 288, 293), range(6000)):
         writer = Writer(seed, "run", True)
-        writer.asks.append(lambda scope, writer=writer: of_the_plan(writer, scope))
+        writer.asks.append(partial(of_the_plan, writer))
         machine(writer, 0, 2)
         rules = [writer.rule(f"f{number}", 2)[0] for number in range(2)]
         compiled = compile_text("\n".join([*writer.declared, TOLD, HELD, *rules]) + "\n")
