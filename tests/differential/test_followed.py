@@ -98,9 +98,9 @@ def test_a_cycle_cannot_bring_another_one(backend: str) -> None:
 def test_faults_of_the_driving_trajectory_are_of_the_rules_that_read_it() -> None:
     from trackmarshal.runtime.door.reading import CycleReader
 
-    contract = of_cycles(compiled(SPEC), compiled(SPEC).rules)
-    assert contract.follows
-    frame, faults = CycleReader(contract).read(given(0, v=np.array(["x"] * 30, dtype=object)))
+    frame, faults = CycleReader(of_cycles(compiled(SPEC), compiled(SPEC).rules)).read(
+        given(0, v=np.array(["x"] * 30, dtype=object))
+    )
     frame.faults = faults
     seen: Frame = frame.of("emergency")
     assert seen.unusable([("driving", "v")]) is not None

@@ -572,5 +572,4 @@ def test_the_page_shows_the_table_of_states() -> None:
 def test_the_shipped_contract_reads_what_it_should() -> None:
     contract = made()[0].door.contract
     assert [signal.name for signal in contract.signals] == ["ego", "objects", "obstacles", "track"]
-    assert contract.tells
     assert shipped().signals["plan"].name == "plan"

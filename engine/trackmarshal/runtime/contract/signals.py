@@ -76,15 +76,12 @@ class Contract(Node):
     """What cycles, or cases, have to keep.
 
     plan: what each candidate has to be; None for cases, whose `plan` is a signal as any other. signals: all others, in the order
-    of the spec. tells: whether rules ask which of the candidates they are about; follows: whether they read the driving trajectory
-    beside their candidate. Both come with the candidates. known: the names of all signals and events. over_run: whether rules look at
-    other cycles, so that stamps are counted with.
+    of the spec, but for what comes with the candidates. known: the names of all signals and events. over_run: whether rules look at other
+    cycles, so that stamps are counted with.
     """
 
     plan: Signal | None
     signals: tuple[Signal, ...]
-    tells: bool
-    follows: bool
     known: frozenset[str]
     #: The places of named tracks that rules read, and the signals that name the track.
     places: Places = ()
@@ -106,7 +103,7 @@ def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) 
         if name in wanted
     ]
     events = [_event(name) for name in spec.events if name in wanted]
-    return Contract(None, (*signals, *events), False, False, _names(spec), places, corridors_of(spec))
+    return Contract(None, (*signals, *events), _names(spec), places, corridors_of(spec))
 
 
 def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
@@ -127,12 +124,9 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
     ]
     events = [_event(name) for name in spec.events if name in read - told]
     plan = _signal(spec.signals[PLAN], None)
-    tells = IS_EMERGENCY in read and IS_EMERGENCY in spec.events
     return Contract(
         plan,
         (*signals, *events),
-        tells,
-        FOLLOWED in read,
         _names(spec),
         places_of(spec, rules),
         corridors_of(spec),
