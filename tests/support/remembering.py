@@ -25,6 +25,9 @@ rule soon "" whenever plan.first.v > 20 m/s within 0.15 s require plan.first.v <
 rule keeps "" for all o in objects require always[0 s, 0.2 s] (o.x > ego.x - 5 m or previous o.x > ego.x)
 rule follows "" require once (next ego.v > 5 m/s)
 
+event driven ""
+rule driven_on "" severity advisory require count(driven, last: 1 s) <= 8
+
 course lived = ego for 0.4 s then plan
 rule slows "" along lived as c require historically[0 s, 0.3 s] c.v <= 24 m/s or eventually[0 s, 1 s] c.v <= 22 m/s
 rule one_turn "" along lived as c require always count(rising(c.heading > 0.01 rad), last: 0.4 s) <= 1
