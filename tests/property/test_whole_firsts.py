@@ -17,7 +17,7 @@ from support.length import at_length
 from trackmarshal.backends.numpy.whole import spans
 from trackmarshal.backends.numpy.whole.elements import edge_of, elements
 from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
-from trackmarshal.backends.numpy.whole.outcomes import together, worst
+from trackmarshal.backends.numpy.whole.outcomes import OTHER, together, worst
 from trackmarshal.backends.over_run.outcome import RANK
 from trackmarshal.runtime.verdict import VERDICTS
 
@@ -167,12 +167,17 @@ _SIGNED = {"violated": [-math.inf, -2.0, -1.0, 0.0], "satisfied": [0.0, 1.0, 2.0
 _ANY = [-math.inf, -1.0, 0.0, 1.0, math.inf]
 
 
-@given(st.data(), st.lists(st.booleans(), min_size=1, max_size=5), st.booleans(), st.booleans())
+@given(
+    st.data(),
+    st.lists(st.sampled_from(["open", "undefined", ""]), min_size=1, max_size=5),
+    st.booleans(),
+    st.booleans(),
+)
 @settings(max_examples=20 * EXAMPLES, deadline=None)
 def test_the_worst_of_what_is_said_of_oneself_and_of_others(
-    data: st.DataObject, waits: list[bool], plain: bool, agree: bool
+    data: st.DataObject, waits: list[str], plain: bool, agree: bool
 ) -> None:
-    """Each cycle that does not wait says something of itself, after all that is said of earlier ones."""
+    """Each cycle that does not wait says something of itself, after all that is said of earlier ones; one that waits is open, or undefined for good."""
     known = ["violated", "satisfied"] if plain else [name for name in RANK if name != "open"]
 
     def one(place: int) -> tuple[int, str, float]:
@@ -186,11 +191,12 @@ def test_the_worst_of_what_is_said_of_oneself_and_of_others(
     wanted = []
     for place, waiting in enumerate(waits):
         each = [(name, margin) for at, name, margin in said if at == place]
-        each += [("open", math.nan)] if waiting else []
+        each += [(waiting, math.nan)] if waiting else []
         bad = min((name for name, _ in each), key=RANK.index)
         wanted.append((bad, repr(min(margin for name, margin in each if name == bad))))
+    own = np.array([VERDICTS.index(one) if one else OTHER for one in waits], dtype=np.uint8)
     codes, margins = together(
-        np.array(waits), np.array([at for at, _, _ in said], dtype=np.intp), _codes(said), np.array([margin for _, _, margin in said])
+        own, np.array([at for at, _, _ in said], dtype=np.intp), _codes(said), np.array([margin for _, _, margin in said])
     )  # fmt: skip
     assert [(VERDICTS[code], repr(margin)) for code, margin in zip(codes, margins.tolist())] == wanted
 

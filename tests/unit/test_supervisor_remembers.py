@@ -96,6 +96,34 @@ def test_who_was_there_is_known_again_where_it_is_decided_later(
     ]
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("require", "verdict"),
+    [
+        ("ego.x / flat > 1 and always[0 s, 0.5 s] not flag", "undefined"),
+        ("always[0 s, 0.5 s] (not flag and ego.x / flat > 1)", "undefined"),
+        ("not (ego.x / flat > 1 or eventually[0.1 s, 0.5 s] flag)", "undefined"),
+        ("ego.x / flat > 1 iff next flag", "undefined"),
+        ("(not flag) until[0 s, 0 s] ego.x / flat > 1 or (ego.x / flat > 1 and next flag)", "undefined"),
+        ("(for all o in objects: ego.x / flat > 1) and next not flag", "undefined"),
+        ("(exists o in objects where o.x / flat > 1: o.x > 0 m) and next not flag", "undefined"),
+        ("ego.x / flat > 1 or always[0 s, 0.5 s] not flag", ""),
+        ("always[0.1 s, 0.5 s] ego.x / flat > 1", ""),
+        ("ego.x / flat > 1 until[0 s, 0.5 s] flag", "undefined"),
+        ("(not flag) until[0 s, 0.5 s] ego.x / flat > 1", ""),
+        ("for all o in objects where o.x > 100 m: (ego.x / flat > 1 and next flag)", ""),
+        ("flag and always[0 s, 0.5 s] (ego.x / flat > 1)", "violated"),
+    ],
+)
+def test_what_nothing_to_come_can_make_hold_is_not_open(require: str, verdict: str, backend: str) -> None:
+    """What is open makes nothing unsafe: a cycle with a NaN in it was driven until a window was over that could not change that."""
+    rig = Rig(f'param flat : m = 0 m\nrule ahead "" require {require}\n', backend)
+    decision = rig.step(objects={"id": [1], "x": [2.0]})
+    wanted = [("ahead", "driving", verdict), ("ahead", "emergency", verdict)] if verdict else []
+    assert names(decision) == wanted
+    assert decision.safe == (not verdict)
+
+
 NEVER_DRIVEN = """state gear : { low, high } starts low
   becomes high from low when ego.v > 100 m/s
   becomes low from high when plan.last.v < 1 m/s

@@ -11,7 +11,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import ConnectiveOp
-from trackmarshal.ir.overrun import looks_ahead, over_run, recalls
+from trackmarshal.ir.overrun import over_run, recalls
 from trackmarshal.ir.reads import DRIVEN, IS_DRIVEN, IS_EMERGENCY, reads
 from trackmarshal.lowering.rules import Lowered
 from trackmarshal.semantics.errors import NeverStarts
@@ -25,11 +25,10 @@ _KNOWN, _ANY = frozenset((_FALSE, _TRUE)), frozenset((_FALSE, _UNKNOWN, _TRUE))
 def never_starts(core: Lowered, rule: typed.Rule) -> list[Diagnostic]:
     """What is to be said of a rule that no cycle meets behind others in which nothing was driven, whatever its inputs are.
 
-    As long as nothing was driven, `plan` of an earlier cycle is unknown; whatever else is asked for may be true or false. What looks ahead keeps
-    nobody from driving as long as it is open.
+    As long as nothing was driven, `plan` of an earlier cycle is unknown; whatever else is asked for may be true or false, and so may what is to come.
     """
     formula = core.formula
-    if not over_run(formula) or looks_ahead(formula) or not _asks_what_was_driven(formula):
+    if not over_run(formula) or not _asks_what_was_driven(formula):
         return []
     return [] if _TRUE in _may_be(formula, True) else [NeverStarts(rule.condition.span)]
 
@@ -75,10 +74,8 @@ def _over_run(node: ir.OverRun, present: bool) -> Truths:
             if not present or node.lower:
                 return earlier
             return now if node.upper == 0 else _each(min if node.op == "historically" else max, earlier, now)
-        case "since":
+        case "since" | "always" | "eventually" | "until" | "next":
             return _ANY
-        case "always" | "eventually" | "until" | "next":
-            raise AssertionError(f"`{node.op}` looks ahead")
         case _:
             assert_never(node.op)
 

@@ -299,4 +299,15 @@ _OF_THE_RUN = frozenset(
     {"any", "begun", "crowded", "future", "last", "lived", "missed", "now", "parts", "serial"}
 )
 #: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
-_ENDINGS = ("_known", "_any", "_along", "_start", "_push", "_finish", "_advance", "_said", "_applies")
+_ENDINGS = (
+    "_known",
+    "_any",
+    "_along",
+    "_start",
+    "_push",
+    "_finish",
+    "_advance",
+    "_said",
+    "_applies",
+    "_hope",
+)

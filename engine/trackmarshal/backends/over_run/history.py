@@ -13,10 +13,11 @@ from itertools import product, zip_longest
 from typing import NamedTuple, assert_never
 
 from trackmarshal.backends.over_run.counts import Range, compared
+from trackmarshal.backends.over_run.hoping import Hope, Hoping
 from trackmarshal.backends.over_run.lives import ANY_CYCLES
 from trackmarshal.backends.over_run.machines import Possible, begun, is_in, kept, stepped, unknown, widened
 from trackmarshal.backends.over_run.now import Now
-from trackmarshal.backends.over_run.outcome import ALWAYS, Known
+from trackmarshal.backends.over_run.outcome import ALWAYS, Known, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.overrun import back, looks_ahead, parts, recalled, recalls, sets
@@ -432,12 +433,22 @@ def _named(node: ir.Formula | ir.Num, ids: Ids) -> tuple[str, ...]:
     return tuple(ids[axis.level] for axis in sets_of(node))
 
 
-def values_of(history: History) -> Callable[[RuleInfo, int], tuple[Known, Known]]:
-    """The values of a rule's formula, and of where it applies, about any cycle of a history."""
+def values_of(history: History) -> Values:
+    """What rules come to about any cycle of a history."""
 
     def value(rule: RuleInfo, place: int) -> tuple[Known, Known]:
         assert rule.formula is not None
         active = ALWAYS if rule.active is None else history.value(rule.active, place, {})
         return history.value(rule.formula, place, {}), active
 
-    return value
+    def may_hold(rule: RuleInfo, place: int) -> bool:
+        assert rule.formula is not None
+
+        def settled(node: ir.Formula, ids: Ids) -> Hope:
+            found = history.value(node, place, ids).value
+            return Hope(found.worst.sat, not found.best.sat)
+
+        hoping = Hoping(settled, lambda axis: history.cycles[place].ids[axis.signal])
+        return bool(hoping.hope(rule.formula, {}).true)
+
+    return Values(value, may_hold)

@@ -61,16 +61,28 @@ def at_once(name: object, formula: Truth, active: Truth) -> Outcome:
     return Outcome(said.verdict, said.margin, (said,), ())
 
 
-def outcome(
-    rule: RuleInfo, pending: Sequence[Pending], now: Pending, value: Callable[[RuleInfo, int], tuple[Known, Known]]
-) -> Outcome:  # fmt: skip
-    """What a rule says in the cycle `now`, given what is pending, and its values about any place of the run."""
+class Values(NamedTuple):
+    """What rules come to about any cycle of a run, by its place: the values of the formula, and of where it applies; and whether anything that is
+    to come can still make it surely true."""
+
+    of: Callable[[RuleInfo, int], tuple[Known, Known]]
+    may_hold: Callable[[RuleInfo, int], bool]
+
+
+def outcome(rule: RuleInfo, pending: Sequence[Pending], now: Pending, values: Values) -> Outcome:
+    """What a rule says in the cycle `now`, given what is pending.
+
+    What is open makes nothing unsafe. A cycle in which so much is undefined that nothing to come can make the rule hold is that at once: it is no
+    better than undefined, whatever it turns out to be, and is said again when that is decided.
+    """
     said: list[About] = []
     kept: list[Pending] = []
     counted: list[About] = []
     for cycle in (*pending, now):
-        found = about(cycle.name, *value(rule, cycle.place))
+        found = about(cycle.name, *values.of(rule, cycle.place))
         decided = found.verdict != "open"
+        if cycle is now and not decided and not values.may_hold(rule, cycle.place):
+            found = About(cycle.name, "undefined", math.nan, False)
         newly = decided and not cycle.decided
         if cycle is now or newly:
             counted.append(found)

@@ -233,7 +233,7 @@ class Streaming:
         """Whether nothing can change any more of what rules come to about a cycle, whether they apply or not."""
         values = values_of(history)
         ahead = (rule for rule, open_ in zip(self._rules, self._ahead) if open_)
-        return all(known.final for rule in ahead for known in values(rule, place)) and all(
+        return all(known.final for rule in ahead for known in values.of(rule, place)) and all(
             history.value(node, place, ids).final
             for node in self._asking
             for ids in history.combinations(node, place)

@@ -9,6 +9,7 @@ from trackmarshal.backends.c.expressions import compared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.future import Future, Operator, Table
+from trackmarshal.backends.c.over_run.hoping import hope
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 
@@ -27,7 +28,8 @@ def described(plan: Layout) -> dict[str, Any]:
     return {
         "room": future.room, "back": f"INT64_C({future.back})", "reach": f"INT64_C({future.reach + future.back})", "steps": f"{future.steps + 1}u",
         "rules": [
-            {"c_name": plan.rule_names[rule.name], "active": rule.active is not None} for rule in future.rules
+            {"c_name": plan.rule_names[rule.name], "active": rule.active is not None, "hopes": hope(plan, rule) is not None}
+            for rule in future.rules
         ],
         "sets": [plan.input(name).c_name for name in future.sets],
         "lasting": [plan.input(name).c_name for name in future.sets if plan.spec.signals[name].forget],
@@ -98,6 +100,8 @@ def put_together(plan: Layout) -> list[str]:
         made.append(_function(plan, future, plan.same(rule.formula), f"tm_rule_{name}_said", ()))
         if rule.active is not None:
             made.append(_function(plan, future, plan.same(rule.active), f"tm_rule_{name}_applies", ()))
+        hoping = hope(plan, rule)
+        made += [] if hoping is None else [hoping]
     return ["\n".join([*c.printed(each), ""]) for each in made]
 
 

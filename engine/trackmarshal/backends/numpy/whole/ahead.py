@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Never
 
 import numpy as np
 
@@ -23,7 +24,9 @@ from trackmarshal.backends.numpy.whole.firsts import NEVER, STAYS, Firsts
 from trackmarshal.backends.numpy.whole.outcomes import agree
 from trackmarshal.backends.numpy.whole.spans import Levels, Spans
 from trackmarshal.backends.numpy.whole.values import Bools, Floats, Pair, pairs
+from trackmarshal.backends.over_run.hoping import Hope, Hoping, Ids
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import leaves
 from trackmarshal.runtime.kleene import UNDEFINED
 
 #: The value of a formula that is settled in its own cycle, in all cycles of a piece.
@@ -203,6 +206,21 @@ class Looking:
         made = [np.full(len(self._elements), NEVER) for _ in range(2)]
         made[0][self._at], made[1][self._at] = times.true, times.false
         return Times(*made)
+
+    def hopeless(self, node: ir.Formula) -> Bools | None:
+        """(cycles,): of which so much is undefined in the cycle itself that nothing to come can make a formula surely true; None: of none."""
+        settled = [self._settled(leaf) for leaf in leaves(node, self._parts)]
+        if all(value.best is value.worst for value in settled):
+            return None
+
+        def of(leaf: ir.Formula, _: Ids) -> Hope:
+            worst, best = pairs(self._settled(leaf))
+            return Hope(worst[0], ~best[0])
+
+        def nobody(axis: ir.Axis) -> Never:
+            raise AssertionError(f"`{axis.signal}` is not known over the cycles of a piece")
+
+        return ~np.broadcast_to(Hoping(of, nobody).hope(node, {}).true, self._count)
 
     # What -----------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,16 @@ from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.ahead import Looking, places_of
 from trackmarshal.backends.numpy.whole.elements import Indices, Stamps, elements
 from trackmarshal.backends.numpy.whole.firsts import NEVER
-from trackmarshal.backends.numpy.whole.outcomes import OPEN, Codes, Outcome, Saying, at_once, together
+from trackmarshal.backends.numpy.whole.outcomes import (
+    OPEN,
+    OTHER,
+    UNDEFINED,
+    Codes,
+    Outcome,
+    Saying,
+    at_once,
+    together,
+)
 from trackmarshal.backends.numpy.whole.values import Bools, Floats, pairs
 from trackmarshal.backends.over_run.history import parts_ahead
 from trackmarshal.ir import nodes as ir
@@ -68,6 +77,15 @@ class _Looked(NamedTuple):
     looking: Looking
     first: Indices
     final: Indices
+    #: In which so much is undefined that nothing to come can make the rule hold; None: in none.
+    hopeless: Bools | None
+
+    def own(self, begin: int) -> Codes:
+        """What the cycles from a place on say of themselves: that they are open, or undefined for good; OTHER of those that are decided at once."""
+        codes = np.where(self.first[begin:] != self.looking.places[begin:], OPEN, OTHER)
+        if self.hopeless is not None:
+            codes[self.hopeless[begin:] & (codes == OPEN)] = UNDEFINED
+        return codes
 
 
 class _Decided(NamedTuple):
@@ -101,9 +119,7 @@ class Ahead:
         looked = self._looked(_joined(undecided, own.kept), False)
         begin = len(looked.first) - len(stamps)
         said = self._decided(looked, begin)
-        found = together(
-            looked.first[begin:] != looked.looking.places[begin:], said.now - begin, said.codes, said.margins
-        )
+        found = together(looked.own(begin), said.now - begin, said.codes, said.margins)
         if keep:
             self._keep(before, looked)
         # Worked out again where it is asked for, which is seldom: kept until then it would be as much as all else of a run.
@@ -135,8 +151,9 @@ class Ahead:
             closing = np.flatnonzero(looked.kept.pending & (final < NEVER) & (final > looked.first))
             value = looked.looking.value(self._formula, closing, final[closing])
             closed = self._said(looked, closing, value)
-        waiting = begin + np.flatnonzero(looked.first[begin:] != looked.looking.places[begin:])
-        nothing = np.full(len(waiting), OPEN), np.full(len(waiting), np.nan)
+        themselves = looked.own(begin)
+        waits = np.flatnonzero(themselves != OTHER)
+        waiting, nothing = begin + waits, (themselves[waits], np.full(len(waits), np.nan))
         return _ordered(
             looked.kept.names,
             [
@@ -151,13 +168,16 @@ class Ahead:
         looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
         final = looking.final(self._formula)
         if self._active is None:
-            return _Looked(kept, looking, looking.first(self._formula), final)
+            return _Looked(
+                kept, looking, looking.first(self._formula), final, looking.hopeless(self._formula)
+            )
         times = looking.times(self._formula)
         applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
         # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
         first = np.minimum(np.minimum(np.where(applies, times.true, NEVER), times.false), final)
         places = looking.places
-        return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places))
+        hopeless = looking.hopeless(self._formula)
+        return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places), hopeless)
 
     def _decided(self, looked: _Looked, begin: int) -> _Decided:
         """What is decided in a piece that begins at a place. What was decided before is not said again, until it is final."""

@@ -20,6 +20,8 @@ Codes = NDArray[np.uint8]
 SATISFIED, VIOLATED, UNDEFINED, INACTIVE, OPEN = (
     np.uint8(VERDICTS.index(name)) for name in ("satisfied", "violated", "undefined", "inactive", "open")
 )
+#: What cycles say of themselves that are decided at once: nothing beside what is decided in them.
+OTHER = INACTIVE
 if VIOLATED != SATISFIED + 1:
     raise AssertionError("codes of verdicts are no longer counted on from that of what is satisfied")
 #: By code, how bad a verdict is: 0 the worst.
@@ -130,15 +132,14 @@ def at_once(formula: Value, active: Value | None) -> tuple[Codes, Floats]:
     return codes, margins
 
 
-def together(waits: Bools, place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
-    """(cycles,): the worst of what is said in each cycle, about itself or earlier ones: in which cycle (its place), the verdict, the margin. waits:
-    (cycles,) which are open in their own cycle; of all others something is said in it."""
-    count = len(waits)
+def together(own: Codes, place: Indices, codes: Codes, margins: Floats) -> tuple[Codes, Floats]:
+    """(cycles,): the worst of what is said in each cycle, about itself or earlier ones: in which cycle (its place), the verdict, the margin. own:
+    (cycles,) what each says of itself that is not decided in it, OPEN or UNDEFINED; OTHER: something is said of it."""
+    count, waits = len(own), own != OTHER
     if count == len(place) and not waits.any():
         return codes, margins  # each says of itself alone
-    if not (codes <= VIOLATED).all() or not agree(codes == SATISFIED, margins):
-        own = np.where(waits, OPEN, INACTIVE), np.where(waits, np.nan, np.inf)
-        return worst(own, place, codes, margins)
+    if not (codes <= VIOLATED).all() or (own == UNDEFINED).any() or not agree(codes == SATISFIED, margins):
+        return worst((own, np.where(waits, np.nan, np.inf)), place, codes, margins)
     # What is violated has the lesser margins, so that the least of all is one of the worst.
     least = np.full(count, np.inf)
     np.minimum.at(least, place, margins)
