@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from trackmarshal.ir.nodes import Formula
 
 VERDICTS = ("satisfied", "violated", "undefined", "inactive", "open")
-#: Verdicts that make a trajectory unsafe. What is `open` is decided in a later cycle, which it makes unsafe if it turns out violated.
+#: Verdicts that make a trajectory unsafe. What is `open` is decided in a later cycle, which it makes unsafe if it turns out to be one of these.
 UNSAFE = ("violated", "undefined")
 
 
@@ -73,7 +73,8 @@ class Witness:
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """What a rule says about one cycle of a run, by the cycle's name. final: nothing to come can change the margin; the verdict is open, or stands."""
+    """What a rule says about one cycle of a run, by the cycle's name. final: nothing to come can change the margin. The verdict is open, or stands;
+    of one that is undefined and not final, it may still turn out to be violated."""
 
     cycle: object
     verdict: str

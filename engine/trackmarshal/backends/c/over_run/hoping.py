@@ -25,7 +25,7 @@ def hope(plan: Layout, rule: RuleInfo) -> c.Function | None:
         return None
     body.append(c.Return(value))
     said = ("Whether anything that is to come can make it surely true, or surely false.",)
-    parameters = (("const tm_future *", "future"), ("size_t ", "slot"))
+    parameters = (("const tm_future *", "future"), ("size_t", "slot"))
     return c.Function(said, "tm_hope", f"tm_rule_{plan.rule_names[rule.name]}_hope", parameters, tuple(body))
 
 

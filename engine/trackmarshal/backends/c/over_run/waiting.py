@@ -114,8 +114,8 @@ def _function(
     binds: dict[ir.Axis, c.Expr] = {axis: c.Name(name) for axis, name in zip(axes, names)}
     value = writing.value(node, body, binds, whole=True)
     body.append(c.Return(value))
-    places = tuple(("size_t ", name) for _, name in zip(axes, names))
-    parameters = (("const tm_future *", "future"), ("size_t ", "slot"), *places)
+    places = tuple(("size_t", name) for _, name in zip(axes, names))
+    parameters = (("const tm_future *", "future"), ("size_t", "slot"), *places)
     said = ("Put together from what is known about one cycle.",)
     return c.Function(said, "tm_known", name, parameters, tuple(body))
 
