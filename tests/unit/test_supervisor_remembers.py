@@ -185,6 +185,22 @@ def test_rules_are_told_in_which_cycles_something_was_driven(backend: str) -> No
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", ["driven", "emergency"])
+def test_a_signal_may_be_called_as_what_is_told(name: str, backend: str) -> None:
+    """A program in C was not compiled: it told the signal."""
+    rule = f'rule slow "" require {name}.v < 5 m/s and {name}.on and not previous {name}.v > 6 m/s\n'
+    rig = Rig(f"signal {name} : state {{ v: m/s, on: bool }}\n{rule}", backend)
+    said = []
+    for number, v in enumerate((4.0, 7.0, 4.0, 4.0)):
+        rig.now = number * 0.1
+        ego = {"x": rig.now * 10.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+        plan = _plan(rig.now * 10.0, 10.0)
+        given = {"ego": ego, name: {"v": v, "on": True}}
+        said.append(rig.supervisor.step(Cycle(number, rig.now, plan, plan, given)).safe)
+    assert said == [True, False, False, True]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_see_what_was_driven(backend: str) -> None:
     """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""
     rig = Rig(

@@ -45,9 +45,9 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
             return frozenset(_TRUE - each for each in _may_be(node.operand, present))
         case ir.Connective():
             return _joined(node.op, _may_be(node.left, present), _may_be(node.right, present))
-        case ir.Flag() if node.signal == IS_DRIVEN:
+        case ir.Flag() if node.signal == IS_DRIVEN and not node.field:
             return frozenset((_TRUE if present else _FALSE,))
-        case ir.Flag() if node.signal == IS_EMERGENCY and not present:
+        case ir.Flag() if node.signal == IS_EMERGENCY and not node.field and not present:
             return frozenset((_FALSE,))
         case _ if not over_run(node):
             return _KNOWN if present or not _asks_what_was_driven(node) else frozenset((_UNKNOWN,))

@@ -52,7 +52,7 @@ def judge(
     """Definition of the judge: a cycle that has passed the door, and all rules' results in the decision."""
     mine = [code for code in codes if of_candidate(code.rule)]
     own = [group for group in groups if all(of_candidate(rule) for rule in group.rules)]
-    told = plan.inputs.get(IS_EMERGENCY)
+    told = plan.event(IS_EMERGENCY)
     yield "/* All rules on both candidates of a cycle that the door let pass. */"
     yield "static void tm_judge(tm_context *c, const tm_cycle *cycle, tm_look *look)"
     yield "{"
@@ -89,7 +89,7 @@ def driven(plan: Layout, given: Supervised) -> Iterator[str]:
         if signal.name in plan.inputs:
             yield f"  given.{given.signals[signal.name]} = cycle->signals.{given.signals[signal.name]};"
     for name, said in ((IS_EMERGENCY, "TM_FALSE"), (IS_DRIVEN, "TM_TRUE")):
-        told = plan.inputs.get(name)
+        told = plan.event(name)
         if told is not None:
             yield f"  given.{told.c_name} = {said};"
 

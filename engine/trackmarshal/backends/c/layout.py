@@ -70,6 +70,11 @@ class Layout:
     def input(self, signal: str) -> Input:
         return self.inputs[signal]
 
+    def event(self, name: str) -> Input | None:
+        """The event of this name, where rules read one: a signal may be called so, too."""
+        found = self.inputs.get(name)
+        return found if found is not None and found.kind == "event" else None
+
     def field_name(self, signal: str, name: str) -> str:
         fields = self.courses[signal].fields if signal in self.courses else self.inputs[signal].fields
         return next(c for info, c in fields if info.name == name)

@@ -56,11 +56,11 @@ def commit(plan: Layout, given: Supervised) -> Iterator[str]:
         yield f"    given.{followed.c_name}.count = given.{own.c_name}.count;"
         for info, c_name in followed.fields:
             yield f"    given.{followed.c_name}.{c_name} = given.{own.c_name}.{columns[info.name]};"
-    told = plan.inputs.get(IS_EMERGENCY)
+    told = plan.event(IS_EMERGENCY)
     if told is not None:
         yield f"    given.{told.c_name} = TM_TRUE;"
     yield "  }"
-    told = plan.inputs.get(IS_DRIVEN)
+    told = plan.event(IS_DRIVEN)
     if told is not None:
         yield f"  given.{told.c_name} = (out->driven != TM_DRIVE_NOTHING) ? TM_TRUE : TM_FALSE;"
     yield "  tm_remember_cycle(c, &given, out->driven != TM_DRIVE_NOTHING);"
