@@ -186,17 +186,24 @@ def test_rules_are_told_in_which_cycles_something_was_driven(backend: str) -> No
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", ["driven", "emergency"])
-def test_a_signal_may_be_called_as_what_is_told(name: str, backend: str) -> None:
-    """A program in C was not compiled: it told the signal."""
-    rule = f'rule slow "" require {name}.v < 5 m/s and {name}.on and not previous {name}.v > 6 m/s\n'
-    rig = Rig(f"signal {name} : state {{ v: m/s, on: bool }}\n{rule}", backend)
+@pytest.mark.parametrize("kind", ["record", "set"])
+def test_a_signal_may_be_called_as_a_candidate_or_what_is_told(kind: str, name: str, backend: str) -> None:
+    """A program in C was not compiled, which told the signal; of a set, ids of the candidate were looked for, and missing."""
+    if kind == "set":
+        spec = f"signal {name} : set of object {{ x: m }}\n"
+        rule = f"for all o in {name}\n  require o.x < 5 m and not previous o.x > 6 m"
+        cycles: list[dict[str, Any]] = [{"id": [1, 2], "x": [1.0, x]} for x in (4.0, 7.0, 4.0, 4.0)]
+    else:
+        spec = f"signal {name} : state {{ x: m, on: bool }}\n"
+        rule = f"require {name}.x < 5 m and {name}.on and not previous {name}.x > 6 m"
+        cycles = [{"x": x, "on": True} for x in (4.0, 7.0, 4.0, 4.0)]
+    rig = Rig(f'{spec}rule small ""\n  {rule}\n', backend)
     said = []
-    for number, v in enumerate((4.0, 7.0, 4.0, 4.0)):
+    for number, given in enumerate(cycles):
         rig.now = number * 0.1
         ego = {"x": rig.now * 10.0, "y": 0.0, "heading": 0.0, "v": 10.0}
         plan = _plan(rig.now * 10.0, 10.0)
-        given = {"ego": ego, name: {"v": v, "on": True}}
-        said.append(rig.supervisor.step(Cycle(number, rig.now, plan, plan, given)).safe)
+        said.append(rig.supervisor.step(Cycle(number, rig.now, plan, plan, {"ego": ego, name: given})).safe)
     assert said == [True, False, False, True]
 
 

@@ -103,13 +103,14 @@ class RemoteStepper:
         if lanes:
             raise AssertionError("messages have none: a process that would need them is not built")
         order = self.words
-        given = [_columns(one, name in self._records) for name, one in zip(order.columns, columns)]
+        driving, emergency = (_columns(one, False) for one in columns[:2])
+        signals: dict[str, Any] = {  # of which one may be called as a candidate is
+            name: _columns(one, name in self._records) for name, one in zip(order.columns[2:], columns[2:])
+        }
         for name in order.ids:
-            block = given[order.columns.index(name)]
+            block = signals[name]
             if isinstance(block, _Matrix) and len(block.columns.ids) == block.columns.count:
                 block.ids = self._numbering.of(name, block.columns.ids)
-        driving, emergency = given[:2]
-        signals: dict[str, Any] = dict(zip(order.columns[2:], given[2:]))
         known: dict[int, _Points] = {}
         for (signal, field), line in zip(order.lines, lines):
             points = known[line.number] = self._bordered.get(line.number) or _Points(line)

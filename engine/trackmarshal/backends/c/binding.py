@@ -36,6 +36,10 @@ class Words:
     events: tuple[str, ...]
     lanes: tuple[str, ...] = ()
 
+    def place(self, signal: str) -> int:
+        """Which of the columns are those of a signal, which may be called as a candidate is: those of the candidates come first."""
+        return self.columns.index(signal, len((DRIVING, EMERGENCY)))
+
     @property
     def formats(self) -> tuple[str, str, str]:
         """For `struct`: of the head, the columns, and the rest."""

@@ -174,7 +174,7 @@ class Stepper:
         self._before = self._head.size + self._middle.size
         #: Lines, ids, lanes, closed and events, of which the words are the last ones of `_in`; None where they are not there.
         self._rest: tuple[Any, ...] | None = None
-        self._named = [self.words.columns.index(name) for name in self.words.ids]
+        self._named = [self.words.place(name) for name in self.words.ids]
         if self._named or self.words.lanes:
             self.takes_arenas = (
                 False  # how many elements there are, and what they are called, is told by columns
@@ -354,7 +354,7 @@ class Stepper:
         missing; what is wrong with it already, as (name, signal, field, index). Of an arena, columns are not asked for where it `takes_arenas`."""
         ids = tuple(_ids(columns[place]) for place in self._named) if self._named else ()
         if lanes:  # as many as the set has elements: where it is none, C is not told of lanes either
-            places = map(self.words.columns.index, self.words.lanes)
+            places = map(self.words.place, self.words.lanes)
             lanes = [as_many(each, columns[place]) for each, place in zip(lanes, places)]
         rest = (tuple(lines), ids, tuple(lanes), tuple(closed), tuple(events))
         if rest != self._rest:
