@@ -19,7 +19,7 @@ from support.processes import PATIENCE, Served
 from support.remembering import remembering
 from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.backends.c.supervisor import CSupervisor
-from trackmarshal.evaluation import Evaluator
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.serving import build
 from trackmarshal.process.supervisor import RemoteSupervisor
@@ -162,3 +162,40 @@ def test_rules_alone(tmp_path: Path) -> None:
         ["b", "satisfied"],
         ["c", "satisfied"],
     ]
+
+
+CALLED_SO = """module m
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal emergency : set of object { x: m } capacity 4 forget 0.3 s
+signal driven : state { v: m/s }
+rule near ""
+  for all o in emergency
+  require not once[0.1 s, 0.5 s] o.x > 6 m
+rule slow "" require driven.v < 5 m/s
+"""
+
+
+@pytest.mark.acceptance
+def test_signals_that_are_called_as_a_candidate_is_and_as_what_is_told() -> None:
+    spec, now, limits = loads(CALLED_SO), 0.0, Limits(budget=1e9)
+    rules = Evaluator(spec).rules
+    program = build(spec, rules, limits)
+    plan = {name: [1.0 * (name == "t") * k for k in range(2)] for name in ("t", "x", "y", "heading", "v")}
+    ego = dict.fromkeys(("x", "y", "heading", "v"), 0.0)
+    states = []
+    with Served(program, False) as served:
+        client = Client(program.layout, served.channel(), lambda: now)
+        remote = RemoteSupervisor(spec, rules, client, limits, lambda: now, patience=PATIENCE)
+        local = CSupervisor(spec, rules, limits, lambda: now)
+        for number, ids in enumerate(([1, 2], [2, 1], [2], [1], [], [5])):
+            now = number * 0.1
+            there = {"id": ids, "x": [7.0 if one == 2 and not number else 1.0 for one in ids]}
+            signals = {"ego": ego, "emergency": there, "driven": {"v": 9.0 if number == 5 else 1.0}}
+            given = Cycle(number, now, plan, plan, signals)
+            said = remote.step(given)
+            assert list(decision_lines(said)) == list(decision_lines(local.step(given)))
+            states.append(said.state)
+        remote.close()
+    # In the fourth, who is there was not in the third: what it was is not known.
+    assert states == ["drive", *["previous_emergency"] * 3, "drive", "previous_emergency"]
