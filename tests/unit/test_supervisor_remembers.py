@@ -208,6 +208,24 @@ def test_a_signal_may_be_called_as_a_candidate_or_what_is_told(kind: str, name: 
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("require", "safe"),
+    [
+        ("race.id < 5 and race.closed", [True, True, True, True]),
+        ("for all o in things: o.id < 5 m", [True, False, False, True]),
+        ("for all o in things: not once[0.1 s, 0.15 s] o.id > 6 m", [True, True, False, True]),
+    ],
+)
+def test_a_field_may_be_called_id(require: str, safe: list[bool], backend: str) -> None:
+    """A program in C was not compiled: it took a record for a set whose elements it is to know again, or had two members of that name."""
+    spec = "signal race : state { id: 1, closed: bool }\nsignal things : set of object { id: m, x: m }\n"
+    rig = Rig(f'{spec}rule named "" require {require}\n', backend)
+    race = {"id": 4.0, "closed": True}
+    things = [{"id": ids, "x": [1.0] * len(ids)} for ids in ([1, 2], [2, 7], [7], [])]
+    assert [rig.step(race=race, things=each).safe for each in things] == safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_both_candidates_see_what_was_driven(backend: str) -> None:
     """The plan of an earlier cycle is the one that was decided on: the driving trajectory where the cycle was safe, else the stored one."""
     rig = Rig(

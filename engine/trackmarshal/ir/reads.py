@@ -26,9 +26,27 @@ def reads_itself(node: ir.Formula | ir.Num) -> frozenset[tuple[str, str]]:
     return _read_by(outside_machines(node))
 
 
+def known_again(formula: ir.Formula | None) -> frozenset[str]:
+    """The sets whose elements a formula knows again in other cycles, by their ids: what a field of theirs is called is another matter."""
+    return frozenset(
+        axis.signal for node in (() if formula is None else ir.below(formula)) for axis in _known_by_ids(node)
+    )
+
+
+def _known_by_ids(node: ir.AnyNode) -> tuple[ir.Axis, ...]:
+    match node:
+        case ir.Quantify() if node.axis.kind == "elements" and looks_ahead(node):
+            return (node.axis,)  # of a cycle that is decided later, it is kept who was there
+        case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept():
+            return sets(node)
+        case _:
+            return ()
+
+
 def _read_by(nodes: Iterable[ir.AnyNode]) -> frozenset[tuple[str, str]]:
     result: set[tuple[str, str]] = set()
     for node in nodes:
+        result |= {(axis.signal, "id") for axis in _known_by_ids(node)}
         match node:
             case ir.Column():
                 result.add((node.axis.signal, node.field))
@@ -71,16 +89,12 @@ def _read_by(nodes: Iterable[ir.AnyNode]) -> frozenset[tuple[str, str]]:
                 pass
             case ir.Truth() | ir.Compare() | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Not():
                 pass
-            case ir.Quantify() if node.axis.kind == "elements" and looks_ahead(node):
-                result.add(
-                    (node.axis.signal, "id")
-                )  # of a cycle that is decided later, it is kept who was there
             case ir.Scaled() | ir.Connective() | ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
                 pass
             case ir.Machine():
                 pass
             case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept():
-                result |= {(axis.signal, "id") for axis in sets(node)}  # by which elements are known again
+                pass
             case _:
                 assert_never(node)
     return frozenset(result)

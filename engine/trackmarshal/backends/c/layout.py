@@ -13,9 +13,9 @@ from trackmarshal.backends.c.over_run.future import Future, future_of
 from trackmarshal.backends.c.over_run.pairs import Pairs, pairs_of
 from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.reads import known_again
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.ir.tables import LINEAR_CLAMP
-from trackmarshal.runtime.contract.signals import ID
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Layout:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
         self.future = future_of(self.rules, self._same.formula)
-        asked = {signal for rule in self.rules for signal, name in rule.reads if name == ID}
+        asked = {name for rule in self.rules for root in roots(rule) for name in known_again(root)}
         unasked = self._known_again - asked
         if unasked:  # a program would read ids that are not there
             raise AssertionError(f"no door asks for the ids of {sorted(unasked)}")

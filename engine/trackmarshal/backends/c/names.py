@@ -24,7 +24,7 @@ _MACROS = (
     " unix linux i386 arm mips sparc sun vax hpux vms near far huge pascal cdecl interface"
 )
 #: Members of our own structs, beside which names of a spec stand.
-_MEMBERS = "count unused"
+_MEMBERS = "count id unused"
 #: What functions of ours may call or name: no local variable of theirs is called so.
 _FUNCTIONS = (
     "acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin fmod frexp"

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import over_run
-from trackmarshal.ir.reads import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
+from trackmarshal.ir.reads import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN, known_again
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
 from trackmarshal.runtime.contract.checks import Check, checks_of
@@ -98,7 +98,7 @@ def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) 
     for name, field in reads:
         wanted.setdefault(name, set()).add(field)
     signals = [
-        _signal(info, wanted[name], ID in wanted[name])
+        _signal(info, wanted[name], info.many and ID in wanted[name])
         for name, info in spec.signals.items()
         if name in wanted
     ]
@@ -118,7 +118,7 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
         )
     read = {signal for rule in rules for signal, _ in rule.reads} | {EGO}
     own, told = {PLAN, FOLLOWED}, {IS_EMERGENCY, IS_DRIVEN}
-    named = {signal for rule in rules for signal, field in rule.reads if field == ID}
+    named = {signal for rule in rules for root in (rule.formula, rule.active) for signal in known_again(root)}
     signals = [
         _signal(info, None, name in named) for name, info in spec.signals.items() if name in read - own
     ]
