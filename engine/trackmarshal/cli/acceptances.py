@@ -296,7 +296,7 @@ def _comes_of_common(root: Path, parent: str, file: str, before: Baseline, after
             if _rewritten(older, newer) is not None:
                 return False
             if _common(older.acceptances, before.acceptances) == len(older.acceptances):
-                return True
+                return _is_accepted(older)
         newer = older
     return False
 
@@ -450,7 +450,6 @@ def _held(data: bytes) -> Baseline | None:
 def _rewritten(before: Baseline, after: Baseline) -> str | None:
     """How a version does not come of the one before; None where it has acceptances more, of what it holds, that name whatever became less."""
     from trackmarshal.trace.baseline import changes
-    from trackmarshal.trace.baseline.file import digest
 
     old, new = before.acceptances, after.acceptances
     if new[: len(old)] != old:
@@ -458,10 +457,17 @@ def _rewritten(before: Baseline, after: Baseline) -> str | None:
     if len(new) == len(old):
         same = before.content == after.content
         return "something beside what it holds was changed" if same else "it holds something else than before"
-    if new[-1].after != digest(after.content):
+    if not _is_accepted(after):
         return "what it holds is not what was accepted last"
     lost = _unnamed(changes(before.content, after.content), new[len(old) :])
     return None if lost is None else f"nobody is named who accepted that {lost}"
+
+
+def _is_accepted(version: Baseline) -> bool:
+    """Whether what a version holds is what was accepted last in it."""
+    from trackmarshal.trace.baseline.file import digest
+
+    return bool(version.acceptances) and version.acceptances[-1].after == digest(version.content)
 
 
 def _unnamed(found: Iterable[Change], accepted: Iterable[Acceptance]) -> Change | None:

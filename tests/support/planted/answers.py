@@ -297,6 +297,19 @@ _TWO_ENTRIES = all_of(
     ),
     swap(V, "applies_to: [S-31]", "applies_to: [S-31, S-32]"),
 )
+def _laundered(root: Path) -> None:
+    """Less was accepted by name; a branch has it in its baseline by hand, has an acceptance of something else written on top of that, and takes the name away when it is merged."""
+    begun = run_git(root, "rev-parse", "--abbrev-ref", "HEAD").strip()
+    less, by_hand = cut(R, "  - id: S-9\n", ""), accepted(lambda held: held["content"].pop("requirement S-9"), rehash=False)
+    run_git(root, "checkout", "-qb", "branch")
+    on_top = accepted(lambda held: held["acceptances"].append({**held["acceptances"][-1], "weaker": []}), rehash=True)
+    all_of(less, by_hand, committed("less"), on_top, committed("more"))(root)
+    run_git(root, "checkout", "-q", begun)
+    all_of(agreed(less), committed("less, by name"))(root)
+    run_git(root, "merge", "-q", "--no-commit", "-X", "theirs", "branch")
+    all_of(git("checkout", "-q", "MERGE_HEAD", "--", BASELINE), committed("merged"))(root)
+
+
 FAULTS = [
     Fault("one requirement more of a page that answers a method", all_of(_ANALYSIS, swap(V, "requirements: [S-31], methods", "requirements: [S-31, S-2], methods")), "T373", "docs/planner.md at S-2-A"),
     Fault("a method of one entry of a page, and not of another one of it, answered by both", all_of(agreed(_TWO_ENTRIES), swap(V, "requirements: [S-32]}\n", "requirements: [S-32], methods: [analysis]}\n")), "T373", "docs/planner.md at S-2-A"),
@@ -347,6 +360,7 @@ FAULTS = [
     Fault("an acceptance dropped by a merge", _merged("-s ours"), "T380", rerun=True),
     Fault("an acceptance dropped by a branch that is merged where it began", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", back=True), "T380", rerun=True),
     Fault("another name under an acceptance of a branch that is merged where it began", _merged("-X theirs", beside=add("docs/planner.md", "\nmore\n"), again="HEAD", changed=accepted(lambda held: held["acceptances"][-2].update(by="Eve Else"), rehash=False), back=True), "T380", rerun=True),
+    Fault("a name taken away from what was accepted, by a branch that has it by hand", _laundered, "T380", rerun=True),
     Fault("an acceptance dropped by a merge, beside another one", _merged("-s ours", beside=add("docs/planner.md", "\nmore\n")), "T380", rerun=True),
     # a demand taken away that stood beside another one on its stage
     Fault("a demand of two on a stage", all_of(agreed(swap(V, "[S-32, S-4], at_least: partial}", "[S-32], at_least: partial}\n" + _SECOND.rstrip())), swap(V, _SECOND, "")), "T371", "S-4-A, partial"),
