@@ -99,21 +99,17 @@ def parts(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
 
 @lru_cache(maxsize=4096)
 def _joined(node: ir.Formula) -> tuple[ir.Formula, ...] | None:
+    from trackmarshal.ir.reads import asks_what_was_driven  # which looks for what this module knows
+
     match node:
         case ir.Not():
             return None if _joined(node.operand) is None else (node.operand,)
         case ir.Connective():
             sides = node.left, node.right
-            apart = _of_driven(node.left) != _of_driven(node.right)
+            apart = asks_what_was_driven(node.left) != asks_what_was_driven(node.right)
             return sides if apart or any(_joined(side) is not None for side in sides) else None
         case _:
             return None
-
-
-def _of_driven(node: ir.Formula) -> bool:
-    from trackmarshal.ir.reads import DRIVEN, reads  # which looks for what this module knows
-
-    return any(signal in DRIVEN for signal, _ in reads(node))
 
 
 def leaves(

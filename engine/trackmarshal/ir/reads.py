@@ -26,6 +26,11 @@ def reads_itself(node: ir.Formula | ir.Num) -> frozenset[tuple[str, str]]:
     return _read_by(outside_machines(node))
 
 
+def asks_what_was_driven(formula: ir.Formula) -> bool:
+    """Whether a formula reads the trajectory that is driven, of which nothing is known where nothing was."""
+    return any(signal in DRIVEN for signal, _ in reads(formula))
+
+
 def known_again(formula: ir.Formula | None) -> frozenset[str]:
     """The sets whose elements a formula knows again in other cycles, by their ids: what a field of theirs is called is another matter."""
     return frozenset(

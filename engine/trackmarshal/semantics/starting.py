@@ -12,7 +12,7 @@ from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import ConnectiveOp
 from trackmarshal.ir.overrun import over_run, recalls
-from trackmarshal.ir.reads import DRIVEN, IS_DRIVEN, IS_EMERGENCY, reads
+from trackmarshal.ir.reads import IS_DRIVEN, IS_EMERGENCY, asks_what_was_driven
 from trackmarshal.lowering.rules import Lowered
 from trackmarshal.semantics.errors import NeverStarts
 
@@ -28,13 +28,9 @@ def never_starts(core: Lowered, rule: typed.Rule) -> list[Diagnostic]:
     As long as nothing was driven, `plan` of an earlier cycle is unknown; whatever else is asked for may be true or false, and so may what is to come.
     """
     formula = core.formula
-    if not over_run(formula) or not _asks_what_was_driven(formula):
+    if not over_run(formula) or not asks_what_was_driven(formula):
         return []
     return [] if _TRUE in _may_be(formula, True) else [NeverStarts(rule.condition.span)]
-
-
-def _asks_what_was_driven(formula: ir.Formula) -> bool:
-    return any(signal in DRIVEN for signal, _ in reads(formula))
 
 
 @lru_cache(maxsize=4096)  # definitions that ask twice for what is below them double it with each level
@@ -50,7 +46,7 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
         case ir.Flag() if node.signal == IS_EMERGENCY and not node.field and not present:
             return frozenset((_FALSE,))
         case _ if not over_run(node):
-            return _KNOWN if present or not _asks_what_was_driven(node) else frozenset((_UNKNOWN,))
+            return _KNOWN if present or not asks_what_was_driven(node) else frozenset((_UNKNOWN,))
         case ir.Guarded():
             spared = frozenset(_TRUE - each for each in _may_be(node.guard, present))
             return _each(max, spared, _may_be(node.body, present))

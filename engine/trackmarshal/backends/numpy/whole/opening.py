@@ -166,17 +166,14 @@ class Ahead:
     def _looked(self, kept: _Kept, ended: bool) -> _Looked:
         own = elements(kept.stamps, kept.missed, None)
         looking = Looking(kept.stamps, own, kept.values.__getitem__, ended, parts_ahead)
-        final = looking.final(self._formula)
+        final, hopeless = looking.final(self._formula), looking.hopeless(self._formula)
         if self._active is None:
-            return _Looked(
-                kept, looking, looking.first(self._formula), final, looking.hopeless(self._formula)
-            )
+            return _Looked(kept, looking, looking.first(self._formula), final, hopeless)
         times = looking.times(self._formula)
         applies, may = (pair[0] for pair in pairs(kept.values[self._active]))
         # What holds, if it applies, is open until it is known whether it does; and what does not apply is that at once.
         first = np.minimum(np.minimum(np.where(applies, times.true, NEVER), times.false), final)
         places = looking.places
-        hopeless = looking.hopeless(self._formula)
         return _Looked(kept, looking, np.where(may, first, places), np.where(may, final, places), hopeless)
 
     def _decided(self, looked: _Looked, begin: int) -> _Decided:
