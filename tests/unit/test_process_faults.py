@@ -702,6 +702,37 @@ def test_what_an_entry_has_no_room_for(number: Any, t: Any, rig: Rig) -> None:
         rig.client.send(number, t, None, None, {})
 
 
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({"ego": {"Age": 9.0}}, "the program reads no `signals.ego.Age`: `age`?"),
+        ({"objects": {"widht": [2.0]}}, "the program reads no `signals.objects.widht`: `width`?"),
+        ({"track": {"rigth": None}}, "the program reads no `signals.track.rigth`: `right`?"),
+        ({"objets": {}}, "the program reads no `signals.objets`: `signals.objects`?"),
+        ({"ego": {None: 1.0}}, "the program reads no `signals.ego.None`"),
+        ({"ego": [1.0, 2.0]}, "`signals.ego` is given field by field, not as list"),
+        ({"objects": [{"x": 1.0}]}, "`signals.objects` is given field by field, not as list"),
+        ({"track": {"left": [(0.0, 6.0), (100.0, 6.0)]}}, "`signals.track.left` is a Border, which is made once of its points"),
+    ],
+)  # fmt: skip
+def test_names_that_nobody_reads(changed: dict[str, Any], said: str, rig: Rig) -> None:
+    """Of a field that is misspelt, the default would count: the Supervisor's own door says `unknown`."""
+    with pytest.raises(LinkError) as raised:
+        rig.client.send(3, 0.3, None, None, changed)
+    assert str(raised.value) == said
+
+
+def test_a_candidate_of_other_fields(rig: Rig) -> None:
+    given = cycle(3)
+    with pytest.raises(LinkError, match="the program reads no `driving.speed`"):
+        rig.step(3, replace(given, driving={**given.driving, "speed": given.driving["v"]}))
+
+
+def test_a_fault_that_nobody_knows(rig: Rig) -> None:
+    with pytest.raises(LinkError, match="no fault is called `not_finit`: `not_finite`?"):
+        rig.client.send(3, 0.3, None, None, {}, [("not_finit", "ego", "v", None)])
+
+
 @pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])
 def test_a_flag_that_is_none(closed: Any, rig: Rig) -> None:
     left = Border([(0.0, 6.0), (100.0, 6.0)])

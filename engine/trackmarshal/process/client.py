@@ -6,7 +6,8 @@ import itertools
 import os
 import time
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any, Protocol
 
 from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number, length_of, rounded
@@ -72,6 +73,20 @@ class _Group:
             for key, entry in kind.entries.items()
             if key.startswith(begin) and key not in lines
         ]
+        #: What may be given by these names.
+        self.fields = {*(field for field, _ in self.columns), *(line.removeprefix(begin) for line in lines)}
+        self.fields |= {"closed"} if self.closed else set()
+        self.fields |= {"id"} if not (self.record or lines) else set()
+
+    def look(self, name: str, value: Any) -> None:
+        """Raise LinkError for what is no such signal: of what is misspelt, the default would be taken."""
+        if isinstance(value, Block) or hasattr(value, "points"):
+            return
+        if not isinstance(value, Mapping):
+            raise LinkError(f"`{name}` is given field by field, not as {type(value).__name__}")
+        for field in value:
+            if field not in self.fields:
+                raise LinkError(f"the program reads no `{name}.{field}`{_nearest(field, self.fields)}")
 
     def length(self, value: Mapping[str, Any]) -> int:
         """Of the columns that are there."""
@@ -125,7 +140,8 @@ class Client:
         """Send a cycle, all in SI; the sequence of its message, 0 where it could not be sent.
 
         driving, emergency: columns by field. signals: columns, or values of a record, by field; of borders `Border`s, and `closed`; of an
-        event True, False or None; of a set whose elements are known again in other cycles, `id` has a whole number for each. What is left out, and has no default, is missing, as is None. found: faults that the caller has found. came: False says that a cycle was due.
+        event True, False or None; of a set whose elements are known again in other cycles, `id` has a whole number for each. What is left out, and has no default, is missing, as is None;
+        a name that the program does not read is a LinkError. found: faults that the caller has found. came: False says that a cycle was due.
         """
         kind, message = self._cycle, bytearray(self._cycle.length)
         given = {
@@ -201,7 +217,10 @@ class Client:
         if known is None:
             if group in self._events:
                 return
-            raise LinkError(f"the program reads no `{group}`")
+            raise LinkError(
+                f"the program reads no `{group}`{_nearest(group, [*self._groups, *self._events])}"
+            )
+        known.look(group, value)
         kind = self._cycle
         kind.put(message, f"{group}/present", 1)
         if known.closed:
@@ -258,6 +277,11 @@ class Client:
         return found
 
     def _version(self, slot: int, border: Any) -> int:
+        if not hasattr(border, "points"):
+            signal, field = self.layout.lines[slot]
+            raise LinkError(
+                f"`signals.{signal}{'.' * bool(field)}{field}` is a Border, which is made once of its points"
+            )
         number, version = self._sent[slot]
         if version and number == border.number:
             return version
@@ -284,6 +308,9 @@ class Client:
         most = kind.entries["found_name"].room
         given = list(found)[:most]
         kind.put(message, "found_count", len(given))
+        for name, _, _, _ in given:
+            if name not in layout.faults:
+                raise LinkError(f"no fault is called `{name}`{_nearest(name, layout.faults)}")
         kind.put(message, "found_name", [layout.faults.index(name) for name, _, _, _ in given])
         kind.put(message, "found_signal", [_place(signal, layout.signals) for _, signal, _, _ in given])
         kind.put(message, "found_field", [_place(field, layout.fields) for _, _, field, _ in given])
@@ -295,6 +322,12 @@ def _truth(name: str, flag: Any) -> int:
     if flag not in (0, 1):
         raise LinkError(f"`{name}` is True or False, not {str(flag)[:40]!r}")
     return int(flag)
+
+
+def _nearest(name: Any, known: Iterable[str]) -> str:
+    """What may have been meant."""
+    found = get_close_matches(str(name), list(known), n=1)
+    return f": `{found[0]}`?" if found else ""
 
 
 def _place(text: str, names: Sequence[str]) -> int:

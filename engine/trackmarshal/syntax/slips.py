@@ -44,7 +44,28 @@ FOREIGN_WORDS = {
     "AND": "write `and`", "OR": "write `or`", "NOT": "write `not`", "XOR": "write `xor`", "IMPLIES": "write `implies`",
 }  # fmt: skip
 #: What makes a formula, where a number ends or begins.
-_OF_FORMULAS = frozenset(("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠", "not", "¬", "exists", "∃", "for", "∀", "and", "or", "implies"))
+_OF_FORMULAS = frozenset(
+    (
+        "<",
+        "<=",
+        ">",
+        ">=",
+        "==",
+        "!=",
+        "≤",
+        "≥",
+        "≠",
+        "not",
+        "¬",
+        "exists",
+        "∃",
+        "for",
+        "∀",
+        "and",
+        "or",
+        "implies",
+    )
+)
 #: Nobody wrote a declaration of so many characters by hand, and patterns look at each of them more than once.
 _LONG = 20000
 #: What is met, what stands before it, and what to write; `FOUND` stands for what is met, without quotes.
@@ -253,7 +274,12 @@ def _misplaced(text: str, start: int, found: str, before: str, expected: set[str
     keyword = before.split(maxsplit=1)[0] if before.split() else ""
     if keyword == "predicate" and text.startswith("->", start) and "EQUAL" in expected:
         return "a predicate is a formula, and has no unit: write `=`, or `define` for a number"
-    if keyword == "define" and found in _OF_FORMULAS and not open_brackets(before) and re.search(r"=[^=]*\Z", before):
+    if (
+        keyword == "define"
+        and found in _OF_FORMULAS
+        and not open_brackets(before)
+        and re.search(r"=[^=]*\Z", before)
+    ):
         name = re.match(r"define\s+(\w+)", before)
         return f"a `define` is a number: a formula is named by `predicate{f' {name[1]}' if name else ''}`"
     if keyword == "signal" and found in ("in", "∈") and re.search(r"\bdefault\b[^,{}]*\Z", before):
