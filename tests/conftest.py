@@ -53,7 +53,7 @@ assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
 LONGEST = (
     "differential/test_c_supervisor.py", "differential/test_c_generated.py", "property/test_door_fuzz.py", "differential/test_c_over_run.py",
     "differential/test_c_forgetting.py", "differential/test_c_supervisor_remembers.py", "differential/test_evaluators.py",
-    "acceptance/test_gate.py", "property/test_types_fuzz.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
+    "acceptance/test_gate.py", "acceptance/test_oracles_interstate.py", "property/test_types_fuzz.py", "differential/test_c_course.py", "differential/test_c_geometry.py",
     "differential/test_c_door.py", "acceptance/test_planner_rules.py", "acceptance/test_planner_limits.py", "property/test_forgetting.py",
     "property/test_process_fuzz.py", "acceptance/test_planner_takeup.py",
 )  # fmt: skip
