@@ -724,12 +724,12 @@ def test_names_that_nobody_reads(changed: dict[str, Any], said: str, rig: Rig) -
 
 def test_a_candidate_of_other_fields(rig: Rig) -> None:
     given = cycle(3)
-    with pytest.raises(LinkError, match="the program reads no `driving.speed`"):
+    with pytest.raises(LinkError, match=r"the program reads no `driving\.speed`"):
         rig.step(3, replace(given, driving={**given.driving, "speed": given.driving["v"]}))
 
 
 def test_a_fault_that_nobody_knows(rig: Rig) -> None:
-    with pytest.raises(LinkError, match="no fault is called `not_finit`: `not_finite`?"):
+    with pytest.raises(LinkError, match=r"no fault is called `not_finit`: `not_finite`\?"):
         rig.client.send(3, 0.3, None, None, {}, [("not_finit", "ego", "v", None)])
 
 
