@@ -97,7 +97,13 @@ def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     few = [block for place, block in enumerate(blocks) if place < 8 or named[place] not in named[:place]]
     path.write_text(head + "".join(few), encoding="utf-8")
     status, out, err = command(
-        root, "trace", "--accept-baseline", "--by", "somebody", "--reason", "a few faults are enough here"
+        root,
+        "trace",
+        "--accept-baseline",
+        "--by",
+        "maintainers of trackmarshal",
+        "--reason",
+        "a few faults are enough here",
     )
     assert status == 0, out + err
     status, out, err = command(root, "trace", "--gate")
