@@ -36,7 +36,7 @@ LATER = ("gives_back", "A-GRIP-ATTAINED")
 #: Nor these: they have several predicates of one kind, and what is printed does not tell the reader which one it has before it.
 SEVERAL = ("takeup_border", "takeup_rest")
 #: What made-up cycles hardly ever ask for: of several as many, one counts.
-SELDOM = {"cut_in": 5}
+SELDOM = {"cut_in": 5, "leaves_room": 10}
 _Numbers = Callable[[random.Random], Any]
 
 
@@ -100,7 +100,7 @@ SIGNALS: dict[str, _Numbers] = {
     "ego": lambda choose: body(choose) | {"x": choose.uniform(-1.0, 4.0), "y": choose.uniform(-1.0, 1.0), "heading": choose.uniform(-0.3, 0.3)},
     "objects": lambda choose: [body(choose) for _ in range(choose.randint(1, 3))],
     "obstacles": lambda choose: [body(choose) for _ in range(choose.randint(1, 2))],
-    "track": lambda _: {"left": [[-90.0, 5.0], [20.0, 5.5], [120.0, 9.0]], "right": [[-90.0, -5.0], [20.0, -4.0], [120.0, -3.0]]},
+    "track": lambda _: {"left": [[-90.0, 5.0], [3.0, 5.5], [120.0, 40.0]], "right": [[-90.0, -5.0], [4.0, -4.0], [120.0, 26.0]]},
     "yellow_sectors": lambda choose: [{"from": start, "to": start + choose.uniform(5.0, 60.0)} for start in (choose.uniform(0.0, 140.0),)],
     "emergency": lambda choose: choose.random() < 0.9,
     "measured": lambda choose: {"ahead": choose.uniform(-15.0, 6.0), "left": choose.uniform(-15.0, 15.0)},

@@ -70,9 +70,11 @@ class Machinery:
             head, _, body = _equation(one["mathml"])
             names = [part[1] for part in head[2]] if head[0] == "called" else []
             self.functions[head[1]] = (names, body)
-        self.params = {_short(one["name"]): one["value"] for one in printed["parameters"]} | case.get(
-            "params", {}
-        )
+        # By the whole name where something else is called so beside it, such as what a definition is given.
+        self.params = {
+            name: one["value"] for one in printed["parameters"] for name in (one["name"], _short(one["name"]))
+        }
+        self.params |= case.get("params", {})
         self.tables = {one["name"].rpartition(".")[2]: one["rows"] for one in printed["tables"]}
         self.machines = {_whole(one["mathml"])[1]: one for one in printed["machines"]}
         assert rule.formula is not None
@@ -345,7 +347,7 @@ class Machinery:
         return Element(name, 0)
 
     def _field(self, tree: Tree, env: dict[str, Any]) -> Any:
-        if tree[2][0] == "called":
+        if tree[2][0] == "called" or (tree[2][0] == "name" and tree[2][1] in self.machines):
             return self._kept(tree[1], tree[2], env)
         record = self._record(tree[2], env)
         signal = self.case["signals"][record.signal]
