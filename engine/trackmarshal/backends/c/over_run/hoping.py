@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.over_run.kept import Binds, entry, for_those_there
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.overrun import looks_ahead
 from trackmarshal.ir.spec import RuleInfo
 
-_FUTURE, _SLOT = c.Name("future"), c.Name("slot")
 _ANYTHING = c.Call("tm_any_hope", ())
-Binds = dict[ir.Axis, c.Expr]
 #: What has a name already.
 Made = dict[ir.Formula, c.Expr | None]
 
@@ -80,10 +79,7 @@ class _Writing:
     def _settled(self, node: ir.Formula, binds: Binds) -> c.Expr:
         table = self._plan.future.table(node)
         assert table is not None, "what is settled is kept"
-        row: c.Expr = c.Element(c.Member(_FUTURE, table.c_name, True), _SLOT)
-        for axis in table.axes:
-            row = c.Element(row, binds[axis])
-        return row
+        return entry(table, binds)
 
     def _all(self, node: ir.Quantify, body: list[c.Statement], binds: Binds, made: Made) -> c.Expr:
         """Over the elements that are there."""
@@ -102,10 +98,7 @@ class _Writing:
         inner.append(
             c.Evaluate(c.Call(function, (c.Address(c.Name(name)), guard or _ANYTHING, value or _ANYTHING)))
         )
-        set_ = self._plan.input(node.axis.signal).c_name
-        there = c.Element(c.Element(c.Member(_FUTURE, f"{set_}_there", True), _SLOT), index)
-        below = c.Binary("<", index, c.Name("TM_MAX_ELEMENTS"))
-        body.append(c.For(index.name, below, c.Unary("++", index), (c.If(there, tuple(inner)),)))
+        body.append(for_those_there(self._plan, node.axis, index, inner))
         return c.Name(name)
 
 

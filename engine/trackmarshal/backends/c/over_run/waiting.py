@@ -10,11 +10,10 @@ from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.future import Future, Operator, Table
 from trackmarshal.backends.c.over_run.hoping import hope
+from trackmarshal.backends.c.over_run.kept import Binds, entry, for_those_there
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 
-_FUTURE, _SLOT = c.Name("future"), c.Name("slot")
-_ELEMENTS = c.Name("TM_MAX_ELEMENTS")
 _TRUE, _FALSE = c.Call("tm_true_any", ()), c.Call("tm_false_any", ())
 #: Sorts of windows, by operator.
 _KINDS = {
@@ -111,7 +110,7 @@ def _function(
     body: list[c.Statement] = []
     writing = _Writing(plan, future)
     names = ("place",) if len(axes) == 1 else ("first", "second")
-    binds: dict[ir.Axis, c.Expr] = {axis: c.Name(name) for axis, name in zip(axes, names)}
+    binds: Binds = {axis: c.Name(name) for axis, name in zip(axes, names)}
     value = writing.value(node, body, binds, whole=True)
     body.append(c.Return(value))
     places = tuple(("size_t", name) for _, name in zip(axes, names))
@@ -126,16 +125,11 @@ class _Writing:
     def __init__(self, plan: Layout, future: Future) -> None:
         self._plan, self._future, self._names = plan, future, 0
 
-    def value(
-        self, node: ir.Formula, body: list[c.Statement], binds: dict[ir.Axis, c.Expr], whole: bool = False
-    ) -> c.Expr:
+    def value(self, node: ir.Formula, body: list[c.Statement], binds: Binds, whole: bool = False) -> c.Expr:
         """The value of a formula. whole: it is what the function is about, and so is no table to it."""
         table = self._future.table(node)
         if table is not None and not (whole and node in self._future.given):
-            row: c.Expr = c.Element(c.Member(_FUTURE, table.c_name, True), _SLOT)
-            for axis in table.axes:
-                row = c.Element(row, binds[axis])
-            return row
+            return entry(table, binds)
         match node:
             case ir.Not():
                 return c.Call("tm_not_known", (self.value(node.operand, body, binds),))
@@ -152,7 +146,7 @@ class _Writing:
             case _:
                 raise AssertionError(f"{type(node).__name__} is put together from nothing")
 
-    def _all(self, node: ir.Quantify, body: list[c.Statement], binds: dict[ir.Axis, c.Expr]) -> c.Expr:
+    def _all(self, node: ir.Quantify, body: list[c.Statement], binds: Binds) -> c.Expr:
         """Over the elements that were there in that cycle."""
         self._names += 1
         every = node.extreme is Extreme.LEAST
@@ -167,12 +161,5 @@ class _Writing:
         value = self.value(node.body, inner, inside)
         function = "tm_for_all_known" if every else "tm_exists_known"
         inner.append(c.Evaluate(c.Call(function, (c.Address(c.Name(name)), guard, value))))
-        there = c.Element(
-            c.Element(c.Member(_FUTURE, f"{self._plan.input(node.axis.signal).c_name}_there", True), _SLOT),
-            index,
-        )
-        loop = c.For(
-            index.name, c.Binary("<", index, _ELEMENTS), c.Unary("++", index), (c.If(there, tuple(inner)),)
-        )
-        body.append(loop)
+        body.append(for_those_there(self._plan, node.axis, index, inner))
         return c.Name(name)
