@@ -20,7 +20,7 @@ pytestmark = [
 
 #: Of 13 m/s^2 that others count on (b_rear), in m/s^2; in bends, what is left of the tyres.
 BRAKES = (11.0, 12.6)
-RUNS = amount(6, 1000)
+RUNS = amount(6, 400)
 
 
 def test_nobody_meets_anybody_when_all_fall_back_at_once() -> None:

@@ -55,10 +55,10 @@ def decided(spec: Spec, backend: str, given: list[tuple[Any, dict[str, Any]]]) -
 @pytest.mark.parametrize(
     ("other", "seeds"),
     [
-        ("reference", range(amount(24, 2000))),
+        ("reference", range(amount(24, 800))),
         pytest.param(
             "c",
-            range(10, amount(13, 150)),
+            range(10, amount(13, 90)),
             marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"),
         ),
     ],
@@ -82,7 +82,7 @@ def test_decisions(other: str, seeds: range) -> None:
 def test_generated_c_knows_again_what_the_door_asks_for() -> None:
     """Generation refuses where it would read ids of a set of which nobody demands any."""
     made = 0
-    for seed in range(amount(25, 3000)):
+    for seed in range(amount(25, 1500)):
         _, spec = written(seed)
         if spec is None:
             continue

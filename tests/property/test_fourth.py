@@ -20,7 +20,7 @@ from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir.spec import Spec
 
-SEEDS = amount(40, 2000)
+SEEDS = amount(40, 1000)
 DEPTH = 3
 
 

@@ -19,7 +19,7 @@ from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import loads
 from trackmarshal.runtime.cycle import Limits
 
-SEEDS = amount(range(26, 38), range(600))
+SEEDS = amount(range(26, 38), range(300))
 #: None but capacities, and times that Supervisors count in: whatever comes is judged, and driven until it is over.
 OPEN: dict[str, Any] = {
     one.name: math.inf
