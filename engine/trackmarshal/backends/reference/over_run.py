@@ -11,7 +11,7 @@ from trackmarshal.backends.over_run.now import Now
 from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import leaves
+from trackmarshal.ir.overrun import leaves, looks_ahead
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.saving import Piece, Pieces, unsaved
 from trackmarshal.runtime.verdict import About, Truth
@@ -33,6 +33,10 @@ class KeepingAll:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
+        #: Of which a cycle may stay open; of all others, nothing is asked when one is over.
+        self._ahead = [
+            any(looks_ahead(one) for one in (rule.formula, rule.active) if one is not None) for rule in rules
+        ]
         formulas = [
             formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None
         ]
@@ -44,7 +48,8 @@ class KeepingAll:
         return Kept((), 0, ((),) * len(self._rules))
 
     def judge(self, state: Kept, now: Now) -> list[Outcome]:
-        return self._outcomes(History((*state.cycles, _past(state, now))), state, now)
+        history = History((*state.cycles, _past(state, now)))
+        return [self._outcome(rule, own, history, now) for rule, own in zip(self._rules, state.pending)]
 
     def without(self, state: Kept, now: Now) -> Without:
         history = History((*state.cycles, _past(state, now)))
@@ -56,8 +61,12 @@ class KeepingAll:
             now.t, now.name, now.ids, lambda leaf, ids: known[leaf, ids], now.number, state.missed, now
         )
         cycles = (*state.cycles, this)
-        found = self._outcomes(History(cycles), state, now)
-        return Kept(cycles, 0, tuple(one.pending for one in found))
+        history = History(cycles)
+        pending = (
+            self._outcome(rule, own, history, now).pending if ahead else ()
+            for rule, own, ahead in zip(self._rules, state.pending, self._ahead)
+        )
+        return Kept(cycles, 0, tuple(pending))
 
     def missed(self, state: Kept) -> Kept:
         # What comes before the first cycle is no gap: nothing was remembered yet.
@@ -80,10 +89,9 @@ class KeepingAll:
     def load(self, pieces: Pieces) -> Kept:
         raise _unsaved()
 
-    def _outcomes(self, history: History, state: Kept, now: Now) -> list[Outcome]:
+    def _outcome(self, rule: RuleInfo, pending: Sequence[Pending], history: History, now: Now) -> Outcome:
         this = Pending(len(history.cycles) - 1, now.name, False)
-        values = values_of(history)
-        return [outcome(rule, pending, this, values) for rule, pending in zip(self._rules, state.pending)]
+        return outcome(rule, pending, this, values_of(history))
 
     def _all_of(self, now: Now) -> dict[tuple[ir.Formula, tuple[str, ...]], Truth]:
         """The values of all leaves for all elements that are there."""
