@@ -11,13 +11,18 @@ import pytest
 import trackmarshal as tm
 from property.test_fourth_supervisor import OPEN
 from support.length import amount
+from support.processes import PATIENCE, Served
 from trackmarshal.backends.c.build import compiler
-from trackmarshal.evaluation import loads
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir.spec import Spec
+from trackmarshal.process.client import Client
+from trackmarshal.process.serving import build
+from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.semantics.calls import built_in_names
 from trackmarshal.syntax.keywords import RESERVED
 
+LIMITS = Limits(**OPEN)
 needs_compiler = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 #: Every place in which a spec may say a name of its own, each with a question of each sort.
 PLAIN = """module m
@@ -72,9 +77,24 @@ def named(names: dict[str, str]) -> Spec:
 
 def decided(spec: Spec, names: dict[str, str], backend: str, seed: int) -> list[Any]:
     """What is said of some cycles, in the words of PLAIN."""
+    now = [0.0]
+    if backend != "process":
+        return said_by(
+            tm.supervisor(spec, backend=backend, clock=lambda: now[0], limits=LIMITS), now, names, seed
+        )
+    rules = Evaluator(spec).rules
+    program = build(spec, rules, LIMITS)
+    with Served(program) as served:
+        client = Client(program.layout, served.channel(), lambda: now[0])
+        remote = RemoteSupervisor(spec, rules, client, LIMITS, lambda: now[0], patience=PATIENCE)
+        said = said_by(remote, now, names, seed)
+        remote.close()
+    return said
+
+
+def said_by(supervisor: Any, now: list[float], names: dict[str, str], seed: int) -> list[Any]:
     meant = {name: hole for hole, name in names.items()}
-    now, dice, said = [0.0], random.Random(seed), []
-    supervisor = tm.supervisor(spec, backend=backend, clock=lambda: now[0], limits=Limits(**OPEN))
+    dice, said = random.Random(seed), []
     for number in range(24):
         now[0] = 0.1003 * number
         ids = [name for name in (1, 2, 3) if dice.random() < 0.6]
@@ -103,6 +123,7 @@ def decided(spec: Spec, names: dict[str, str], backend: str, seed: int) -> list[
         ("numpy", range(amount(3, 100))),
         ("reference", range(amount(2, 30))),
         pytest.param("c", range(amount(1, 30)), marks=needs_compiler),
+        pytest.param("process", range(10), marks=[needs_compiler, pytest.mark.acceptance]),
     ],
 )
 def test_other_names(backend: str, seeds: range) -> None:
