@@ -535,6 +535,7 @@ def test_limits_that_are_none(name: str, value: Any) -> None:
         "signal plan : state { v: m/s }\nrule r\n  require plan.v > 0 m/s\n",
         "signal plan : trajectory { t: s increasing, v: km/h }\nrule r\n  for all p in plan\n  require p.v > 0 m/s\n",
         "signal ego : series { t: s increasing, x: m }\nrule r\n  for all p in ego\n  require p.x > 0 m\n",
+        "signal driving : set of object { x: m }\nrule r\n  for all o in driving\n  require o.x > 0 m\n",
     ],
 )
 def test_a_spec_that_declares_the_signals_otherwise(text: str, tmp_path: Path) -> None:
@@ -546,6 +547,10 @@ def test_a_spec_that_declares_the_signals_otherwise(text: str, tmp_path: Path) -
     with pytest.raises(TrackmarshalError) as caught:
         Supervisor(spec, oracle, clock=Clock())
     assert caught.value.code == "E482"
+    assert (
+        "driving" not in text
+        or caught.value.message == "`driving` is declared as a set of object, not as a trajectory"
+    )
 
 
 # The page ----------------------------------------------------------------------------------------------------

@@ -192,7 +192,8 @@ def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalTyp
     if signal is None:
         signal = SignalType(name, kind, False, (), nowhere)
     if signal.kind != kind or signal.many:
-        raise _unfit(f"`{name}` is declared as a {signal.kind}, not as a {kind}")
+        found = f"set of {signal.kind}" if signal.many else signal.kind
+        raise _unfit(f"`{name}` is declared as a {found}, not as a {kind}")
     fields = {field.name: field for field in signal.fields_}
     for field, unit in needed.items():
         info = fields.get(field, FieldType(field, "number", unit, False, None, None, None, nowhere))
