@@ -121,8 +121,10 @@ def said_by(supervisor: Any, now: list[float], names: dict[str, str], seed: int)
             names["M_list"]: {"t": [0.0, 0.4, 0.8], names["G_field"]: [1.0, dice.choice([1.0, 1.0, 7.0]), 1.0]},
             names["H_event"]: dice.random() < 0.5,
         }  # fmt: skip
-        candidates = [{**plan, names["A_field"]: [1.0, dice.choice([1.0, 1.0, 3.0])]} for _ in range(2)]
-        decision = supervisor.step(tm.Cycle(number, now[0], *candidates, given))
+        driving, emergency = (
+            {**plan, names["A_field"]: [1.0, dice.choice([1.0, 1.0, 3.0])]} for _ in range(2)
+        )
+        decision = supervisor.step(tm.Cycle(number, now[0], driving, emergency, given))
         assert decision.faults == ()
         against = [
             (meant[one.rule], one.candidate, one.verdict, one.margin.hex()) for one in decision.violations
