@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import looks_ahead, outside_machines, sets
+from trackmarshal.ir.overrun import looks_ahead, outside_machines, over_run, sets
 
 #: The signal that a candidate stands for, and the driving trajectory, for rules of both candidates: what the car follows until the next decision. In
 #: earlier cycles, what was driven.
@@ -33,9 +33,9 @@ def asks_what_was_driven(formula: ir.Formula) -> bool:
 
 def known_again(formula: ir.Formula | None) -> frozenset[str]:
     """The sets whose elements a formula knows again in other cycles, by their ids: what a field of theirs is called is another matter."""
-    return frozenset(
-        axis.signal for node in (() if formula is None else ir.below(formula)) for axis in _known_by_ids(node)
-    )
+    if formula is None or not over_run(formula):
+        return frozenset()
+    return frozenset(axis.signal for node in ir.below(formula) for axis in _known_by_ids(node))
 
 
 def _known_by_ids(node: ir.AnyNode) -> tuple[ir.Axis, ...]:

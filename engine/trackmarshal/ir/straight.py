@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable
 from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.reads import reads
@@ -13,17 +14,22 @@ from trackmarshal.ir.spec import RuleInfo
 F = TypeVar("F", bound=ir.Formula)
 #: (signal, field) pairs.
 Fields = frozenset[tuple[str, str]]
+_BENDS: WeakKeyDictionary[ir.Formula, Fields] = WeakKeyDictionary()
 
 
 def curvatures(rules: Iterable[RuleInfo]) -> Fields:
     """The fields that rules read for the curves along which something is swept, and for nothing but their curvature."""
-    found: set[tuple[str, str]] = set()
-    for rule in rules:
-        for formula in (rule.formula, rule.active):
-            for node in ir.below(formula) if formula is not None else ():
-                if isinstance(node, (ir.SweptInside, ir.SweptClear)):
-                    found |= _read(node.bend)
-    return frozenset(found)
+    formulas = (formula for rule in rules for formula in (rule.formula, rule.active))
+    return frozenset().union(*(_bends(formula) for formula in formulas if formula is not None))
+
+
+def _bends(formula: ir.Formula) -> Fields:
+    """Those of one formula, which many evaluators are made of."""
+    found = _BENDS.get(formula)
+    if found is None:
+        swept = [node for node in ir.below(formula) if isinstance(node, (ir.SweptInside, ir.SweptClear))]
+        found = _BENDS[formula] = frozenset().union(*(_read(node.bend) for node in swept))
+    return found
 
 
 def straightened(rule: RuleInfo, absent: Fields) -> RuleInfo:
