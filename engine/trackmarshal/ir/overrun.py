@@ -31,6 +31,7 @@ def stamped(seconds: float) -> int:
 
 
 #: What `over_run` found, as long as a formula is there.
+_SETS: WeakKeyDictionary[ir.AnyNode, tuple[ir.Axis, ...]] = WeakKeyDictionary()
 _OVER_RUN: WeakKeyDictionary[ir.AnyNode, bool] = WeakKeyDictionary()
 
 
@@ -136,7 +137,10 @@ _ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Ta
 
 def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
     """The axes of variables that are free in a formula, the outermost first."""
-    return tuple(sorted(_free(node), key=lambda axis: axis.level))
+    found = _SETS.get(node)
+    if found is None:  # asked in every cycle
+        found = _SETS[node] = tuple(sorted(_free(node), key=lambda axis: axis.level))
+    return found
 
 
 def _free(root: ir.AnyNode) -> set[ir.Axis]:
