@@ -28,7 +28,7 @@ from support.cycles import cycle
 from support.processes import PATIENCE, Rig, Served, built
 from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.process.client import Border, Client
+from trackmarshal.process.client import Block, Border, Client
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import Kind, LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
@@ -712,6 +712,10 @@ def test_what_an_entry_has_no_room_for(number: Any, t: Any, rig: Rig) -> None:
         ({"ego": {None: 1.0}}, "the program reads no `signals.ego.None`"),
         ({"ego": [1.0, 2.0]}, "`signals.ego` is given field by field, not as list"),
         ({"objects": [{"x": 1.0}]}, "`signals.objects` is given field by field, not as list"),
+        ({"track": Border([(0.0, 6.0), (100.0, 6.0)])}, "`signals.track` is given field by field, not as Border"),
+        ({"track": Block()}, "`signals.track` is given field by field, not as Block"),
+        ({"ego": Border([(0.0, 6.0), (100.0, 6.0)])}, "`signals.ego` is given field by field, not as Border"),
+        ({"ego": Block()}, "`signals.ego` is given field by field, not as Block"),
         ({"track": {"left": [(0.0, 6.0), (100.0, 6.0)]}}, "`signals.track.left` is a Border, which is made once of its points"),
     ],
 )  # fmt: skip

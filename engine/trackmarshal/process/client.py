@@ -73,6 +73,8 @@ class _Group:
             for key, entry in kind.entries.items()
             if key.startswith(begin) and key not in lines
         ]
+        #: Whether it is one line, which no field names.
+        self.line = lines == [f"{name}.line"]
         #: What may be given by these names.
         self.fields = {*(field for field, _ in self.columns), *(line.removeprefix(begin) for line in lines)}
         self.fields |= {"closed"} if self.closed else set()
@@ -80,13 +82,20 @@ class _Group:
 
     def look(self, name: str, value: Any) -> None:
         """Raise LinkError for what is no such signal: of what is misspelt, the default would be taken."""
-        if isinstance(value, Block) or hasattr(value, "points"):
+        if self.line:
+            _look_at_line(name, value)
+            return
+        if isinstance(value, Block) and not (self.record or self.lines):
             return
         if not isinstance(value, Mapping):
             raise LinkError(f"`{name}` is given field by field, not as {type(value).__name__}")
         for field in value:
             if field not in self.fields:
                 raise LinkError(f"the program reads no `{name}.{field}`{_nearest(field, self.fields)}")
+        for line in self.lines:
+            given = value.get(line.removeprefix(f"{name}."))
+            if given is not None:
+                _look_at_line(line, given)
 
     def length(self, value: Mapping[str, Any]) -> int:
         """Of the columns that are there."""
@@ -149,14 +158,17 @@ class Client:
             "emergency": emergency,
             **{f"signals.{name}": one for name, one in signals.items()},
         }
+        coming = {group: value for group, value in given.items() if came and value is not None}
+        for group, value in coming.items():  # before anything is sent
+            self._look(group, value)
         versions = self._lines(signals) if came else {}
         kind.put(message, "came", int(came))
         kind.put(message, "numbered", int(number is not None))
         kind.put(message, "stamped", int(t is not None))
         kind.put(message, "number", number or 0)
         kind.put(message, "t", 0.0 if t is None else t)
-        for group, value in given.items():
-            if came and value is not None:
+        for group, value in coming.items():
+            if group in self._groups:
                 self._fill(message, group, value, versions)
         for event in self._events:
             flag = signals.get(event.removeprefix("signals."))
@@ -211,17 +223,18 @@ class Client:
         self.layout.seal(message, kind, self.session, self._sequence, self._clock())
         return self._sequence if self.channel.send(box, message) else 0
 
-    def _fill(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
-        """Put a signal or candidate into a message."""
-        known = self._groups.get(group)
-        if known is None:
-            if group in self._events:
-                return
+    def _look(self, group: str, value: Any) -> None:
+        """Raise LinkError for what the program does not read, or not so."""
+        if group in self._groups:
+            self._groups[group].look(group, value)
+        elif group not in self._events:
             raise LinkError(
                 f"the program reads no `{group}`{_nearest(group, [*self._groups, *self._events])}"
             )
-        known.look(group, value)
-        kind = self._cycle
+
+    def _fill(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
+        """Put a signal or candidate into a message."""
+        known, kind = self._groups[group], self._cycle
         kind.put(message, f"{group}/present", 1)
         if known.closed:
             closed = value.get("closed") if isinstance(value, Mapping) else None
@@ -277,11 +290,6 @@ class Client:
         return found
 
     def _version(self, slot: int, border: Any) -> int:
-        if not hasattr(border, "points"):
-            signal, field = self.layout.lines[slot]
-            raise LinkError(
-                f"`signals.{signal}{'.' * bool(field)}{field}` is a Border, which is made once of its points"
-            )
         number, version = self._sent[slot]
         if version and number == border.number:
             return version
@@ -322,6 +330,11 @@ def _truth(name: str, flag: Any) -> int:
     if flag not in (0, 1):
         raise LinkError(f"`{name}` is True or False, not {str(flag)[:40]!r}")
     return int(flag)
+
+
+def _look_at_line(name: str, given: Any) -> None:
+    if not hasattr(given, "points"):
+        raise LinkError(f"`{name.removesuffix('.line')}` is a Border, which is made once of its points")
 
 
 def _nearest(name: Any, known: Iterable[str]) -> str:
