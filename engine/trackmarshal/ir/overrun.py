@@ -30,7 +30,7 @@ def stamped(seconds: float) -> int:
     return stamp
 
 
-#: What `over_run` found, as long as a formula is there.
+#: What `sets` and `over_run` found, as long as a formula is there.
 _SETS: WeakKeyDictionary[ir.AnyNode, tuple[ir.Axis, ...]] = WeakKeyDictionary()
 _OVER_RUN: WeakKeyDictionary[ir.AnyNode, bool] = WeakKeyDictionary()
 

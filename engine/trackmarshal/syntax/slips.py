@@ -43,29 +43,9 @@ FOREIGN_WORDS = {
     "mod": "there is no remainder", "equals": "write `==`", "no": "write `not (exists ...)`", "after": "write `whenever rising(...)`, and `within` for a deadline",
     "AND": "write `and`", "OR": "write `or`", "NOT": "write `not`", "XOR": "write `xor`", "IMPLIES": "write `implies`",
 }  # fmt: skip
+_COMPARISONS = frozenset(["<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠"])
 #: What makes a formula, where a number ends or begins.
-_OF_FORMULAS = frozenset(
-    (
-        "<",
-        "<=",
-        ">",
-        ">=",
-        "==",
-        "!=",
-        "≤",
-        "≥",
-        "≠",
-        "not",
-        "¬",
-        "exists",
-        "∃",
-        "for",
-        "∀",
-        "and",
-        "or",
-        "implies",
-    )
-)
+_OF_FORMULAS = _COMPARISONS.union(["not", "¬", "exists", "∃", "for", "∀", "and", "or", "implies"])
 #: Nobody wrote a declaration of so many characters by hand, and patterns look at each of them more than once.
 _LONG = 20000
 #: What is met, what stands before it, and what to write; `FOUND` stands for what is met, without quotes.
@@ -312,7 +292,7 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         return "write `=` to name a value; `==` compares"
     if found == "=" and text[max(0, start - 2) : start] == "==":
         return "write `==` to compare"
-    if found in ("<", "<=", ">", ">=", "==", "!=", "≤", "≥", "≠") and text[start - 1 : start + 1] not in (
+    if found in _COMPARISONS and text[start - 1 : start + 1] not in (
         "<>",
         "->",
     ):

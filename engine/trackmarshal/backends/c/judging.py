@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.rules import GroupCode, RuleCode
+from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN

@@ -9,8 +9,8 @@ from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.expressions import Writer
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, written
-from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.slots import assign
+from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import COMPARISONS, Extreme

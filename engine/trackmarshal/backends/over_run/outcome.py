@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from trackmarshal.ir.overrun import looks_ahead
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.kleene import TRUE
 from trackmarshal.runtime.verdict import About, Truth
@@ -32,6 +33,11 @@ class Pending:
     place: int
     name: object
     decided: bool
+
+
+def is_ahead(rule: RuleInfo) -> bool:
+    """Whether a rule may still change what it says of a cycle when that is past."""
+    return any(looks_ahead(root) for root in (rule.formula, rule.active) if root is not None)
 
 
 class Outcome(NamedTuple):

@@ -18,7 +18,7 @@ from trackmarshal.backends.over_run.history import (
 )
 from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.over_run.now import Now
-from trackmarshal.backends.over_run.outcome import Outcome, Pending, at_once, outcome
+from trackmarshal.backends.over_run.outcome import Outcome, Pending, at_once, is_ahead, outcome
 from trackmarshal.backends.over_run.saving import (
     Cycles,
     LookedUp,
@@ -63,8 +63,7 @@ class Streaming:
             [formula for formula in (rule.formula, rule.active) if formula is not None] for rule in rules
         ]
         self._nodes = cells_of(formula for formulas in by_rule for formula in formulas)
-        #: Which rules may still change what they say of a cycle when it is past.
-        self._ahead = [any(map(looks_ahead, formulas)) for formulas in by_rule]
+        self._ahead = list(map(is_ahead, rules))
         #: Where no rule may, nothing is open after its own cycle, and no cycle is kept.
         self._looks_ahead = any(self._ahead)
         of_ahead = [formula for formulas, ahead in zip(by_rule, self._ahead) if ahead for formula in formulas]

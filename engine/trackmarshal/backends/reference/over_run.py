@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from trackmarshal.backends.over_run.history import History, Past, sets_of, values_of
 from trackmarshal.backends.over_run.lives import Without
 from trackmarshal.backends.over_run.now import Now
-from trackmarshal.backends.over_run.outcome import Outcome, Pending, outcome
+from trackmarshal.backends.over_run.outcome import Outcome, Pending, is_ahead, outcome
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import leaves, looks_ahead
+from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.saving import Piece, Pieces, unsaved
 from trackmarshal.runtime.verdict import About, Truth
@@ -33,10 +33,8 @@ class KeepingAll:
 
     def __init__(self, rules: Sequence[RuleInfo]) -> None:
         self._rules = rules
-        #: Of which a cycle may stay open; of all others, nothing is asked when one is over.
-        self._ahead = [
-            any(looks_ahead(one) for one in (rule.formula, rule.active) if one is not None) for rule in rules
-        ]
+        #: Of all others, nothing is asked when a cycle is over.
+        self._ahead = list(map(is_ahead, rules))
         formulas = [
             formula for rule in rules for formula in (rule.formula, rule.active) if formula is not None
         ]
@@ -49,7 +47,10 @@ class KeepingAll:
 
     def judge(self, state: Kept, now: Now) -> list[Outcome]:
         history = History((*state.cycles, _past(state, now)))
-        return [self._outcome(rule, own, history, now) for rule, own in zip(self._rules, state.pending)]
+        found = [self._outcome(rule, own, history, now) for rule, own in zip(self._rules, state.pending)]
+        if any(one.pending and not ahead for one, ahead in zip(found, self._ahead)):
+            raise AssertionError("a rule that does not look ahead waits for what is to come")
+        return found
 
     def without(self, state: Kept, now: Now) -> Without:
         history = History((*state.cycles, _past(state, now)))

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from trackmarshal.backends.over_run.history import parts_ahead
+from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import ahead, back, leaves, looks_ahead, sets
@@ -95,11 +96,6 @@ class Future:
         """C of how many cycles there is room for."""
         longest = math.ceil((self.reach + self.back) / 1e6)
         return f"(TM_CYCLES_IN(UINT64_C({longest})) + {self.steps + self.waits + 2}u)"
-
-
-def is_ahead(rule: RuleInfo) -> bool:
-    """Whether a rule may still change what it says of a cycle when that is past."""
-    return any(looks_ahead(root) for root in (rule.formula, rule.active) if root is not None)
 
 
 def settled(rule: RuleInfo) -> Iterable[ir.Formula]:

@@ -10,9 +10,9 @@ from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.c.over_run.explaining import Explaining
-from trackmarshal.backends.c.over_run.future import is_ahead
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.saving import MOST_OF_RULES, bytes_of, numbers_of, pages, words
+from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
