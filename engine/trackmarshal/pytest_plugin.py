@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import wraps
+from functools import cache, wraps
 from inspect import isawaitable, iscoroutinefunction, isgenerator
 from pathlib import Path
 from typing import Any
@@ -252,9 +252,14 @@ def _verified(item: pytest.Item) -> tuple[list[str], list[str]]:
             continue
         ids |= dict.fromkeys(mark.args)
     known = _known(item.config) if ids else frozenset()
+    other = _of_another(item) if ids else None
     if isinstance(known, str):
         wrong.append(known)
         ids = {}
+    elif other is not None:  # which may have requirements of the same ids
+        wrong.append(
+            f"this verifies requirements of another project: run its tests by themselves, with --trackmarshal-project {other}"
+        )
     else:
         wrong += [
             f"error[T336]: no requirement `{id_}` is demanded{_suggested(id_, known)}"
@@ -302,6 +307,20 @@ def _project(config: pytest.Config) -> Path | None:
     if not (root / MARKER).is_file():
         raise pytest.UsageError(f"--trackmarshal-project: {root} has no {MARKER}")
     return root
+
+
+def _of_another(item: pytest.Item) -> str | None:
+    """Another project than that of this session in whose folder a test stands, from pytest's root directory; None where there is none."""
+    own, root = _around(item.path.parent), _project(item.config)
+    return None if own is None or own == root else Path(os.path.relpath(own, item.config.rootpath)).as_posix()
+
+
+@cache
+def _around(folder: Path) -> Path | None:
+    """The project that a folder is in, or None; asked for each test."""
+    from trackmarshal.cli.project import project_of
+
+    return project_of(folder)
 
 
 @dataclass(slots=True)

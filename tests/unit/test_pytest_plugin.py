@@ -205,6 +205,25 @@ def test_the_workers_of_xdist_refuse_it_too(project: Path) -> None:
     assert "no requirement `S-1-B-2` is demanded" in done.stdout
 
 
+def test_a_test_of_another_project_shows_nothing_of_this_one(project: Path) -> None:
+    """Both have a requirement of that id."""
+    shutil.copytree(project / "requirements", project / "cars" / "two" / "requirements")
+    tests = project / "cars" / "two" / "tests"
+    tests.mkdir()
+    (tests / "test_two.py").write_text(
+        'import pytest\n@pytest.mark.verifies("RR-1")\ndef test_it(): pass\n', "utf-8"
+    )
+    own = "def test_it(): pass\n"
+    done = run(project, own, "--trackmarshal-results=out/a.json", "--ignore=tests")
+    assert done.returncode == 2
+    said = "cars/two/tests/test_two.py:2: this verifies requirements of another project: run its tests by themselves, with --trackmarshal-project cars/two"
+    assert said in done.stdout
+    assert load(project / "out" / "a.json").items == ()
+    named = "--trackmarshal-project=cars/two"
+    assert run(project, own, named, "--trackmarshal-results=out/b.json").returncode == 0
+    assert len(load(project / "out" / "b.json").items) == 1
+
+
 def test_without_a_project_nothing_is_verified(project: Path) -> None:
     tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): pass\n'
     elsewhere = project.parent / "elsewhere"
