@@ -11,6 +11,8 @@ import pytest
 from golden.trace.cases import Small
 from trackmarshal import trace
 from trackmarshal.records import ExternalTest, ResultsFile, save
+from trackmarshal.trace import outside, requirements
+from trackmarshal.trace.baseline.content import reported
 from trackmarshal.trace.cells import Cell
 
 STAGE = '  - {id: S-3-B, title: verification, shows: its tests, applies_to: ["*"], counts: [test, run]}\n'
@@ -45,6 +47,28 @@ def test_what_passed_covers_the_requirement_that_it_names(tmp_path: Path) -> Non
     assert [(item.kind, item.name, item.title, str(item.place)) for item in found.items] == [
         ("external test", "door", "tests.test_a", "out/results.xml:1")
     ]
+
+
+@pytest.mark.parametrize(
+    ("names", "number"),
+    [
+        (("test_it[1]", "test_it[2]", "test_it[a[b]", "TestDoor::test_it[]]"), 2),
+        (("opens(int, Door)[1]", "opens(int, Door)[2]"), 1),
+        (("[R-1] stops [wet]", "[R-1] holds [dry]", "[R-1] begins"), 3),
+        (("stops [wet [or icy]]", "stops [dry]", "stops]"), 2),
+        (("[R-1]", "[R-2]"), 2),
+    ],
+)
+def test_what_is_held_of_names_is_all_but_parameters(
+    names: tuple[str, ...], number: int, tmp_path: Path
+) -> None:
+    small = report(
+        project(tmp_path, "junit: [{path: out/results.xml, stage: S-3-B}]"),
+        *(PASSED.format(name, "S-1-B-1") for name in names),
+    )
+    read = requirements.load(small.root, [])
+    (held,) = reported(read, outside.load(small.root, read, (), [])).values()
+    assert len(held) == number
 
 
 def test_another_stage_knows_nothing_of_it(tmp_path: Path) -> None:

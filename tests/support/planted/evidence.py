@@ -242,6 +242,7 @@ FAULTS = [
     Fault("results of a closed loop edited", all_of(put("docs/loop.json", b"{}"), agreed(swap(V, "  campaigns:", "  closed_loop: docs/loop.json\n  campaigns:")), put("docs/loop.json", b"[]")), "T371"),
     # tests of another runner
     Fault("a test of another runner that is not in the report any more", all_of(REPORTED, agreed(ran("fast", "slow[1]", "slow[2]")), ran("fast")), "T221", f"S-1 in {REPORT} at S-3-B"),
+    Fault("one of two tests of another runner whose names begin and end in brackets", all_of(REPORTED, agreed(ran("[R-1] stops [wet]", "[R-1] holds [dry]")), ran("[R-1] stops [wet]")), "T221", f"S-1 in {REPORT} at S-3-B"),
     Fault("a test of another runner that names its requirements no more, and another one that does", all_of(REPORTED, agreed(ran("fast", "slow[1]")), ran("fast", "easy", skipped="slow[1]")), "T221", f"S-1 in {REPORT} at S-3-B"),
     Fault("tests of another runner that name their requirements no more, accepted by nobody", all_of(REPORTED, agreed(ran("fast", "slow")), git("add", "."), committed("report"), ran("fast", "easy", skipped="slow"), _accepted_by_nobody), "T380", rerun=True),
     Fault("tests of another runner, accepted without the report, and then fewer", all_of(REPORTED, agreed(ran("fast", "slow")), gone(REPORT), agreed(add("docs/planner.md", "\nmore\n")), ran("slow")), "T221", f"S-1 in {REPORT} at S-3-B"),

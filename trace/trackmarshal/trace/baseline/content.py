@@ -43,7 +43,8 @@ HEADING = "heading"
 UNMARKED = "no longer naming it"
 #: How many of them were not skipped, in any of their parameters.
 RAN = "not skipped"
-_PARAMETERS = re.compile(r"\[.*\]$", re.DOTALL)
+#: A function as pytest and JUnit call it, with its parameters behind it, in which brackets need not match.
+_FUNCTION = re.compile(r"([\w:.]+)\[.*\]", re.DOTALL)
 #: Of evidence, which methods it answers of which requirements.
 ANSWERS = "answers"
 #: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
@@ -130,7 +131,20 @@ def _in(report: TestReport, outside: Outside) -> Iterator[ExternalTest]:
 
 def _called(test: ExternalTest) -> str:
     """A test without its parameters."""
-    return f"{test.suite}: {_PARAMETERS.sub('', test.name)}"
+    return f"{test.suite}: {_unparametrized(test.name)}"
+
+
+def _unparametrized(name: str) -> str:
+    """A name without the brackets that it ends in; of a sentence, which may begin with others, such as `[R-1] stops [wet]`, the last ones alone."""
+    function = _FUNCTION.fullmatch(name)
+    if function or not name.endswith("]"):
+        return function[1] if function else name
+    depth = 0
+    for place in range(len(name) - 1, 0, -1):
+        depth += (name[place] == "]") - (name[place] == "[")
+        if depth == 0:
+            return name[:place]
+    return name
 
 
 def _external(project: Project, outside: Outside) -> Iterator[tuple[str, Entry]]:
