@@ -13,7 +13,7 @@ import yaml
 from support import start
 from support.project import run_command
 from support.shared import REPOSITORY
-from trackmarshal.start.project import BASELINE, FILES
+from trackmarshal.start.project import BASELINE, FILES, WORKFLOW
 from trackmarshal.trace.baseline.file import digest
 
 
@@ -232,6 +232,21 @@ def test_the_workflow_runs_what_the_readme_names(project: Path) -> None:
     readme = (project / "README.md").read_text("utf-8")
     assert readme.startswith("# car\n")
     assert [name for name in re.findall(r"\| `([^`]+)` \|", readme) if not (project / name).exists()] == []
+
+
+def test_in_a_folder_of_a_repository_the_workflow_is_for_its_root(tmp_path: Path) -> None:
+    """GitHub runs those of the root alone, and nothing says that it does not run another one."""
+    root = tmp_path / "all of it" / "cars" / "one"
+    (tmp_path / "all of it" / ".git").mkdir(parents=True)
+    status, out, _ = run_command("init", str(root))
+    to = tmp_path / "all of it" / ".github" / "workflows" / "trackmarshal-cars-one.yml"
+    assert (status, out.splitlines()[-1]) == (
+        0,
+        f"GitHub runs no workflow from there: move {root / WORKFLOW} to {to}",
+    )
+    gate = yaml.safe_load((root / WORKFLOW).read_text("utf-8"))["jobs"]["gate"]
+    assert gate["defaults"] == {"run": {"working-directory": "cars/one"}}
+    assert gate["steps"][-1]["with"]["path"] == "cars/one/out/assess"
 
 
 def test_it_asks_nothing_and_says_what_it_wrote(tmp_path: Path) -> None:

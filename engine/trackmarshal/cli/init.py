@@ -10,6 +10,7 @@ import shlex
 from pathlib import Path
 
 from trackmarshal.cli.output import say
+from trackmarshal.cli.places import repository
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,13 +23,16 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.sources import Sources
     from trackmarshal.meaning import tool
-    from trackmarshal.start.project import BASELINE, init
+    from trackmarshal.start.project import BASELINE, WORKFLOW, init
     from trackmarshal.start.writing import refuse_present
     from trackmarshal.trace import requirements
 
     root = Path(args.folder or args.project or ".")
     refuse_present(root, [BASELINE])
-    written = init(root)
+    here = root.resolve()
+    whole = repository(here) or here
+    folder = here.relative_to(whole).as_posix() if here != whole else ""
+    written = init(root, folder)
     made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
     path, _ = trace.accept_baseline(
         root.resolve(), made.items, made.tests, [], made.parts, made.run_inputs, engine=tool()
@@ -38,4 +42,7 @@ def run(args: argparse.Namespace) -> int:
         say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))
         go = [] if root.resolve() == Path.cwd().resolve() else [f"cd {shlex.quote(str(root))}"]
         say("next:", *(f"  {line}" for line in (*go, "trackmarshal test", "trackmarshal trace --gate")))
+        if folder:  # several projects may be in it
+            to = whole / Path(WORKFLOW).with_stem(f"trackmarshal-{folder.replace('/', '-')}")
+            say(f"GitHub runs no workflow from there: move {root / WORKFLOW} to {to}")
     return 0

@@ -46,10 +46,15 @@ def shown_from(
             message = f"there is no folder {args.relative_to}"
             raise TrackmarshalError("T346", message, help="name the root of the repository")
     elif args.format in IN_REVIEW:
-        target = next((folder for folder in (base, *base.parents) if (folder / ".git").exists()), base)
+        target = repository(base) or base
     else:
         return None
     return None if target == base else lambda path: _moved(path, base, target)
+
+
+def repository(folder: Path) -> Path | None:
+    """The root of the git repository that a folder is in, or None; the folder need not be there yet."""
+    return next((one for one in (folder, *folder.parents) if (one / ".git").exists()), None)
 
 
 def _moved(path: str, base: Path, target: Path) -> str:

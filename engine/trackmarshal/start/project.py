@@ -7,11 +7,13 @@ from pathlib import Path
 
 from trackmarshal.start.writing import render, write_new
 
-#: Where each file of a new project comes from. Those that end in .j2 name the project.
+#: What runs the gate on GitHub, from the root of the repository.
+WORKFLOW = ".github/workflows/trackmarshal.yml"
+#: Where each file of a new project comes from. Those that end in .j2 name the project, or where it is.
 FILES = {
     "README.md": "project/README.md.j2",
     ".gitignore": "project/gitignore",
-    ".github/workflows/trackmarshal.yml": "project/workflow.yml",
+    WORKFLOW: "project/workflow.yml.j2",
     "requirements/requirements.yaml": "project/requirements.yaml",
     "requirements/v-model.yaml": "project/v-model.yaml.j2",
     "specs/signals.spec": "project/signals.spec",
@@ -25,10 +27,14 @@ FILES = {
 BASELINE = "requirements/baseline.json"
 
 
-def init(root: Path) -> list[Path]:
-    """Write a new project into a folder, which is made if need be; its files. Raises E412 where one of them is there."""
+def init(root: Path, folder: str = "") -> list[Path]:
+    """Write a new project into a folder, which is made if need be; its files. Raises E412 where one of them is there.
+
+    folder: the project's in its repository, where it is not the repository itself: the workflow runs there.
+    """
     title = "".join(char if char.isprintable() else "?" for char in root.resolve().name).strip() or "project"
     name = json.dumps(title)  # in YAML, too, a text whatever characters it has
     return write_new(
-        root, {path: render(template, name=name, title=title) for path, template in FILES.items()}
+        root,
+        {path: render(template, name=name, title=title, folder=folder) for path, template in FILES.items()},
     )
