@@ -49,6 +49,20 @@ def test_what_passed_covers_the_requirement_that_it_names(tmp_path: Path) -> Non
     ]
 
 
+def test_a_folder_of_reports_may_hold_records_too(tmp_path: Path) -> None:
+    """As several jobs write them; what else runners leave there is none."""
+    small = project(tmp_path, "junit: [{path: out, stage: S-3-B}]")
+    small = report(small, PASSED.format("door", "S-1-B-1"), path="out/one/door.xml")
+    (small.root / "out" / "coverage.json").write_text('{"totals": {}}', "utf-8")
+    assert cell(small, "S-1-B-1").status == "covered"
+    test = ExternalTest("tests/test_a.py", "test_lock", ("S-1-B-1",), "failed")
+    save(small.root / "out" / "two.json", ResultsFile("external_tests", (test,), "0", "2026-01-01"))
+    assert cell(small, "S-1-B-1").status == "failed"
+    whole = (small.root / "out" / "two.json").read_text("utf-8")
+    (small.root / "out" / "two.json").write_text(whole[:-20], "utf-8")
+    assert ("T290", "out/two.json") in [(f.code, f.place.file) for f in small.matrix().findings if f.place]
+
+
 @pytest.mark.parametrize(
     ("names", "number"),
     [

@@ -161,7 +161,7 @@ PROJECT = Record("project", "Settings of the project.", (
     ))), "The scenarios that `assess` replays."),
     optional("campaigns", Many(PROJECT_PATH, 1), "Files of faults that `assess` puts into recordings."),
     optional("junit", Many(Record("report", "Results of another test runner.", (
-        Field("path", PROJECT_PATH, "The JUnit XML, a folder of such files, or what `pytest --trackmarshal-results` wrote (.json)."),
+        Field("path", PROJECT_PATH, "The JUnit XML, what `pytest --trackmarshal-results` wrote (.json), or a folder of such files."),
         Field("stage", STAGE_ID, "The stage that its tests are evidence at."),
         optional("tool", TEXT, "The test runner."),
         optional("names", TEXT, "A regular expression that finds ids in `suite::name` of a test, `_` standing for `-`; its first group, if it has one."),

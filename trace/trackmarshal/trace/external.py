@@ -18,6 +18,8 @@ from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, war
 from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.values import Placed
 
+#: In so many bytes at its beginning, a file of records says what it is.
+_HEAD = 200
 #: What a test came to that passed with another version of its file.
 STALE = "stale"
 #: What a test may have come to, from worst to best.
@@ -129,7 +131,8 @@ def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
     path = root / entry.path
     if path.is_file():
         return [str(entry.path)]
-    files, problems = below(path, (".xml",)) if path.is_dir() else ([], [])
+    files, problems = below(path, (".xml", ".json")) if path.is_dir() else ([], [])
+    files = [file for file in files if file.suffix.lower() != ".json" or _records(file)]
     for problem in problems:
         message = problem.strerror or str(problem)
         found.append(error("T330", message, entry.path.place, "make the folder readable", entry.path))
@@ -140,6 +143,14 @@ def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
         level = warning if entry.if_there else error
         found.append(level("T330", message, entry.path.place, help_, entry.path))
     return [file.relative_to(root).as_posix() for file in files]
+
+
+def _records(path: Path) -> bool:
+    """Whether a file among reports is one of ours, which says so at its beginning, whole or broken off: runners leave other JSON there."""
+    try:
+        return records.FORMAT.encode() in read_regular(path, _HEAD)
+    except OSError:
+        return True  # it may be, and reading it says why it cannot be read
 
 
 def _read(path: Path, shown: str, tool: str) -> tuple[ExternalTest, ...]:
