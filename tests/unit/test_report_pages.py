@@ -280,6 +280,26 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
         json.loads(data)
 
 
+@pytest.mark.parametrize(
+    ("others", "said"),
+    [
+        ((0,), "evaluated in no run"),
+        ((1, 0), "held in 1 of 2 runs, and was not evaluated in the others"),
+        ((1, 1), "held in all runs"),
+    ],
+)
+def test_an_assumption_held_where_its_monitor_said_so(
+    others: tuple[int, ...], said: str, tmp_path: Path
+) -> None:
+    """Where there are no objects, nothing was shown of how old they are."""
+    runs = [
+        record(tmp_path, recording([cycle(0.0, 0.0, [other("near", 30.0)] * number)], f"run {index}"))
+        for index, number in enumerate(others)
+    ]
+    index, _ = written(tmp_path, runs)
+    assert said in index.text
+
+
 def test_names_of_pages_are_safe_and_different() -> None:
     assert page_names(["../../etc/passwd", "a b", "a/b", "A-B", "", "...", "ü", "con.x", "x" * 300]) == [
         "etc-passwd", "a-b", "a-b-2", "A-B-3", "run", "run-2", "run-3", "con.x", "x" * 80,

@@ -272,12 +272,15 @@ def _run(run: Run, page: str) -> dict[str, Any]:
 
 
 def _assumptions(runs: Sequence[Run]) -> list[dict[str, Any]]:
-    """Assumptions of all runs by name, with the runs in which their monitor fired."""
+    """Assumptions of all runs by name, with the runs in which their monitor fired, and in how many others it held somewhere: without what it is about, it says nothing."""
     found: dict[str, dict[str, Any]] = {}
     for run in runs:
         fired = {rule.name for rule in run.rules if rule.fired}
+        held = {rule.name for rule in run.rules if any("s" in lane.verdict for lane in rule.lanes.values())}
         for entry in run.record["assumptions"]:
-            known = found.setdefault(entry["name"], {**entry, "broken": []})
+            known = found.setdefault(entry["name"], {**entry, "broken": [], "held": 0})
             if entry["name"] in fired:
                 known["broken"].append(run.name)
+            elif entry["name"] in held:
+                known["held"] += 1
     return list(found.values())
