@@ -280,6 +280,15 @@ def test_hostile_names_stay_text(tmp_path: Path) -> None:
         json.loads(data)
 
 
+def test_a_kept_run_is_told_beside_those_that_were_replayed(tmp_path: Path) -> None:
+    """Cells are covered by it, and it has no page."""
+    kept = [{"path": HOSTILE, "title": "A drive", "cycles": 5636, "fired": False, "day": "2026-11-29"}]
+    run = record(tmp_path, overtaking(count=2))
+    page = write_report(tmp_path / "out", [run], "matrix.html", SUMMARY, [], CHECKS, META, kept=kept)
+    text = Document(page.read_text("utf-8")).text
+    assert f"{HOSTILE} A drive: nothing fired in 5636 cycles (run of 2026-11-29)" in text
+
+
 @pytest.mark.parametrize(
     ("others", "said"),
     [

@@ -74,6 +74,11 @@ def _assessed(args: argparse.Namespace) -> int:
     failed = [r for r in made.results if r.outcome != "passed"]
     faults = [result for result in made.fault_results if result.outcome != "passed"]
     gaps = trace.gate(matrix)
+    titles = {str(scenario.path): str(scenario.title) for scenario in made.project.scenarios if scenario.kept}
+    kept = [
+        {"path": run_.scenario, "title": titles[run_.scenario], "cycles": run_.cycles, "fired": run_.fired, "day": run_.created[:10]}
+        for run_ in made.runs if run_.scenario in titles
+    ]  # fmt: skip
     page = write_report(
         target,
         runs=[run_.record for run_ in shown.runs],
@@ -89,6 +94,7 @@ def _assessed(args: argparse.Namespace) -> int:
               "python": platform.python_version(), "spec_fingerprint": shown.fingerprint, "command": "trackmarshal assess"},
         faults=trace.fault_rows(made.facts.fault_cases, made.fault_results),
         drawn=drawn,
+        kept=kept,
     )  # fmt: skip
     drawn.keep()
     expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}
@@ -100,7 +106,7 @@ def _assessed(args: argparse.Namespace) -> int:
     unlike = sorted({*unmet, *(run_.scenario for run_ in outside)})
     if not args.quiet:
         print(
-            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {count(len(made.runs), 'scenario')} run, "
+            f"{len(made.results) - len(failed)} of {len(made.results)} tests passed, {count(len(made.runs) - len(kept), 'scenario')} run{f', {len(kept)} kept' if kept else ''}, "
             f"{len(made.fault_results) - len(faults)} of {len(made.fault_results)} faults found as expected, {told(gaps, matrix)}"
         )
         for run_ in made.runs:

@@ -42,6 +42,7 @@ def write_report(
     meta: Mapping[str, Any],
     faults: Sequence[Mapping[str, str]] = (),
     drawn: Drawing = lambda about, draw: draw(),
+    kept: Sequence[Mapping[str, Any]] = (),
 ) -> Path:
     """Write index.html and runs/NAME.html and return the path of the index; raises T291 or T292.
 
@@ -52,7 +53,7 @@ def write_report(
     [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test], "faults": (found as expected, put in)}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
     version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. drawn: gives the
-    parts of a run's page before and after its date, drawn or kept, told all that the page is made of besides its record. Equal input makes equal pages.
+    parts of a run's page before and after its date, drawn or kept, told all that the page is made of besides its record. kept: runs of logs that are not part of the project, {"path", "title", "cycles", "fired", "day"}. Equal input makes equal pages.
     """
     meta, checks = {**_NO_META, **meta}, {**_NO_CHECKS, **checks}
     read = [read_run(record) for record in runs]
@@ -75,6 +76,7 @@ def write_report(
         {
             **index_context(linked, matrix_summary, missing, checks, meta, matrix_html),
             **fault_context(faults),
+            "kept": kept,
         },
     )
     _write(folder, pages)
