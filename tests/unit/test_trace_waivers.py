@@ -1,4 +1,4 @@
-"""Who owns a waiver does not approve it, however the two are written."""
+"""Who owns a waiver does not approve it, however the two are written; and which waivers are needed."""
 
 from __future__ import annotations
 
@@ -65,3 +65,24 @@ def test_a_waiver_for_subjects_of_every_requirement_is_a_blanket(
     )
     found = [finding for finding in made.matrix().findings if finding.code == "T236"]
     assert [finding.subject for finding in found] == ["W-2"] * blanket
+
+
+@pytest.mark.parametrize(
+    ("excuses", "needless"),
+    [
+        ("stages: [S-3-B], requirements: [S-1-B-1]", []),
+        ("stages: [S-2-B], requirements: [S-1-B-1]", ["W-2"]),
+    ],
+)
+def test_one_that_is_granted_anew_before_the_other_ends_is_needed(
+    excuses: str, needless: list[str], tmp_path: Path
+) -> None:
+    """Who strikes it, because the gap is said to be closed, has a red gate when the other one expires."""
+    made = Small.copy(tmp_path)
+    made.replace(
+        "requirements/v-model.yaml",
+        "    expires: 2026-12-31\n",
+        f"    expires: 2026-06-30\n  - {{id: W-2, {excuses}, justification: Soon., residual_risk: None., owner: the maintainers, "
+        "approver: the safety manager, granted: 2026-06-01, expires: 2026-12-31}\n",
+    )
+    assert [finding.subject for finding in made.matrix().findings if finding.code == "T232"] == needless

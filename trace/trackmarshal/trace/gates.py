@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import date
 
@@ -30,26 +30,32 @@ class Waivers:
         """The cell, waived where it is a gap that somebody answers for."""
         if cell.status not in GAPS:
             return cell
-        for waiver in self._holding:
-            if stage.id in waiver.stages and matches(requirement.id, waiver.requirements):
-                self._used.add(waiver.id)
-                detail = f"{waiver.owner}, {waiver.granted} until {waiver.expires}: {waiver.justification}"
-                item = Item("waiver", waiver.id, "", "waived", detail, waiver.id.place)
-                return Cell("waived", (item, *cell.items))
-        return cell
+        waiver = self._first(
+            w for w in self._holding if stage.id in w.stages and matches(requirement.id, w.requirements)
+        )
+        if waiver is None:
+            return cell
+        detail = f"{waiver.owner}, {waiver.granted} until {waiver.expires}: {waiver.justification}"
+        item = Item("waiver", waiver.id, "", "waived", detail, waiver.id.place)
+        return Cell("waived", (item, *cell.items))
 
     def finding(self, found: Finding) -> Finding:
         """The finding, as a note where somebody answers for it."""
         if found.code not in WAIVABLE or found.level == "note":
             return found
-        for waiver in self._holding:
-            if found.code in waiver.codes and matches(found.subject, waiver.subjects):
-                self._used.add(waiver.id)
-                message = (
-                    f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
-                )
-                return replace(found, level="note", message=message, excused=True)
-        return found
+        waiver = self._first(
+            w for w in self._holding if found.code in w.codes and matches(found.subject, w.subjects)
+        )
+        if waiver is None:
+            return found
+        message = f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
+        return replace(found, level="note", message=message, excused=True)
+
+    def _first(self, fitting: Iterable[Waiver]) -> Waiver | None:
+        """The first waiver of a gap, None where there is none. All of them are needed: one is granted anew before the other ends."""
+        waivers = list(fitting)
+        self._used.update(waiver.id for waiver in waivers)
+        return waivers[0] if waivers else None
 
     def check(self, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
         """What is wrong with the waivers themselves (T231 to T233)."""
