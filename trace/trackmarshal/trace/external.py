@@ -20,6 +20,7 @@ from trackmarshal.trace.values import Placed
 
 #: In so many bytes at its beginning, a file of records says what it is.
 _HEAD = 200
+_BY_TESTS = "run its tests again, with `pytest --trackmarshal-results`; they count for nothing as it is"
 #: What a test came to that passed with another version of its file.
 STALE = "stale"
 #: What a test may have come to, from worst to best.
@@ -82,7 +83,9 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
             tests += _read(root / shown, shown, entry.tool)
         except TrackmarshalError as problem:
             place = Place(shown, problem.line or 0)
-            found.append(error(problem.code, problem.message, place, problem.help or "", entry.path))
+            # Records of other kinds are written by commands of ours, these by the tests themselves.
+            help_ = _BY_TESTS if problem.code == "T290" else problem.help or ""
+            found.append(error(problem.code, problem.message, place, help_, entry.path))
         except OSError as problem:
             found.append(
                 error("T331", problem.strerror or str(problem), Place(shown), "make it readable", entry.path)
