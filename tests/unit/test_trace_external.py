@@ -65,6 +65,28 @@ def test_a_folder_of_reports_may_hold_records_too(tmp_path: Path) -> None:
     assert (broken.place.file, "run its tests again" in broken.help) == ("out/two.json", True)
 
 
+def test_what_runners_leave_beside_reports_is_passed_over(tmp_path: Path) -> None:
+    """As Maven does with TestNG, and whoever measures coverage; a report that is named itself has to be one."""
+    small = project(tmp_path, "junit: [{path: out, stage: S-3-B}]")
+    small = report(small, PASSED.format("door", "S-1-B-1"), path="out/TEST-door.xml")
+    beside = {
+        "testng-results.xml": '<testng-results total="1" passed="1"/>',
+        "testng-failed.xml": '<!DOCTYPE suite SYSTEM "https://testng.org/testng-1.0.dtd"><suite name="Failed"/>',
+        "coverage.xml": '<?xml version="1.0" ?><coverage line-rate="1"/>',
+    }
+    for name, text in beside.items():
+        (small.root / "out" / name).write_text(text, "utf-8")
+    assert [f.code for f in small.matrix().findings if f.code in ("T330", "T332", "T333")] == []
+    assert cell(small, "S-1-B-1").status == "covered"
+    (small.root / "out" / "login.xml").write_text("<html/>", "utf-8")  # as a proxy answers
+    assert "T333" in [f.code for f in small.matrix().findings]
+    (small.root / "out" / "login.xml").unlink()
+    (small.root / "out" / "TEST-door.xml").unlink()
+    assert "T330" in [f.code for f in small.matrix().findings]
+    small.replace("requirements/v-model.yaml", "path: out,", "path: out/coverage.xml,")
+    assert "T333" in [f.code for f in small.matrix().findings]
+
+
 @pytest.mark.parametrize(
     ("names", "number"),
     [

@@ -33,6 +33,9 @@ _SUCCEEDED = "SuiteSucceeded"
 #: The property by which Qt Test says who wrote a report. Before Qt 6 it lists a test that skips without a word for that; by its source it lists so from then on
 #: what failed as it was expected to, or is in its BLACKLIST.
 _QT = "QTestVersion"
+#: Roots of what stands among reports in a folder and is none: TestNG's own results of tests that Maven reports, what it would run again (with a document
+#: type), coverage (coverage.py, gcovr), findings of linters.
+_BESIDE = frozenset({"testng-results", "suite", "coverage", "checkstyle"})
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
@@ -43,7 +46,7 @@ _SILENT = frozenset({"system-out", "system-err"})
 
 
 def read(path: Path, shown: str, tool: str = "") -> tuple[ExternalTest, ...]:
-    """The tests of a report, in their order; raises T331 to T335, OSError. `shown` is the path that reports print."""
+    """The tests of a report, in their order; raises T331 to T335, as `Beside` for what is no report but may stand among them, OSError. `shown` is the path that reports print."""
     data = read_regular(path, MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
         raise _refused("T334", shown, f"larger than {MAX_BYTES // 1_000_000} MB", None, "split it")
@@ -54,6 +57,10 @@ def read(path: Path, shown: str, tool: str = "") -> tuple[ExternalTest, ...]:
 def ids_in(text: str) -> list[str]:
     """The ids that a property names, with commas or blanks between them."""
     return [word for word in re.split(r"[,;\s]+", text) if word]
+
+
+class Beside(TrackmarshalError):
+    """XML of a kind that stands beside reports, as its root says."""
 
 
 class _Reader:
@@ -88,11 +95,12 @@ class _Reader:
             raise _refused("T331", self._shown, f"not XML: {error}", None, AGAIN) from error
         return self._tests
 
-    def _document_type(self, *_: object) -> None:
-        raise self._fail("T332", "a document type is declared", "remove `<!DOCTYPE ...>`")
+    def _document_type(self, root: str, *_: object) -> None:
+        raise self._fail("T332", "a document type is declared", "remove `<!DOCTYPE ...>`", root)
 
-    def _fail(self, code: str, message: str, help_: str) -> TrackmarshalError:
-        return _refused(code, self._shown, message, self._parser.CurrentLineNumber, help_)
+    def _fail(self, code: str, message: str, help_: str, root: str = "") -> TrackmarshalError:
+        kind = Beside if root in _BESIDE else TrackmarshalError
+        return kind(code, message, file=self._shown, line=self._parser.CurrentLineNumber, help=help_)
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         parent = self._path[-1] if self._path else ""
@@ -103,7 +111,7 @@ class _Reader:
             self._silent += 1
         elif not parent:
             if name not in ("testsuites", "testsuite"):
-                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN)
+                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN, name)
             self._open(attributes)
         elif parent in ("testsuites", "testsuite"):
             self._in_suite(name, attributes)

@@ -82,6 +82,8 @@ def _of(root: Path, entry: TestReport, found: list[Finding]) -> Iterator[Externa
         try:
             tests += _read(root / shown, shown, entry.tool)
         except TrackmarshalError as problem:
+            if isinstance(problem, reading.Beside) and shown != entry.path:
+                continue
             place = Place(shown, problem.line or 0)
             # Records of other kinds are written by commands of ours, these by the tests themselves.
             help_ = _BY_TESTS if problem.code == "T290" else problem.help or ""
