@@ -33,9 +33,10 @@ _SUCCEEDED = "SuiteSucceeded"
 #: The property by which Qt Test says who wrote a report. Before Qt 6 it lists a test that skips without a word for that; by its source it lists so from then on
 #: what failed as it was expected to, or is in its BLACKLIST.
 _QT = "QTestVersion"
-#: Roots of what stands among reports in a folder and is none: TestNG's own results of tests that Maven reports, what it would run again (with a document
-#: type), coverage (coverage.py, gcovr), findings of linters.
-_BESIDE = frozenset({"testng-results", "suite", "coverage", "checkstyle"})
+#: Roots of what stands among reports in a folder and is none: TestNG's own results of tests that Maven reports, coverage (coverage.py, gcovr), findings of linters.
+_BESIDE = frozenset({"testng-results", "coverage", "checkstyle"})
+#: With a document type: coverage, and what TestNG would run again. A `<suite>` without one may be of tests.
+_BESIDE_TYPED = _BESIDE | {"suite"}
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
@@ -96,10 +97,12 @@ class _Reader:
         return self._tests
 
     def _document_type(self, root: str, *_: object) -> None:
-        raise self._fail("T332", "a document type is declared", "remove `<!DOCTYPE ...>`", root)
+        raise self._fail(
+            "T332", "a document type is declared", "remove `<!DOCTYPE ...>`", root in _BESIDE_TYPED
+        )
 
-    def _fail(self, code: str, message: str, help_: str, root: str = "") -> TrackmarshalError:
-        kind = Beside if root in _BESIDE else TrackmarshalError
+    def _fail(self, code: str, message: str, help_: str, beside: bool = False) -> TrackmarshalError:
+        kind = Beside if beside else TrackmarshalError
         return kind(code, message, file=self._shown, line=self._parser.CurrentLineNumber, help=help_)
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
@@ -111,7 +114,7 @@ class _Reader:
             self._silent += 1
         elif not parent:
             if name not in ("testsuites", "testsuite"):
-                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN, name)
+                raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN, name in _BESIDE)
             self._open(attributes)
         elif parent in ("testsuites", "testsuite"):
             self._in_suite(name, attributes)
