@@ -41,12 +41,13 @@ class Rulebox:
     ) -> Supervisor:
         """A Supervisor for one run, in Python, whatever judges; raises E403 where limits break a constraint of the spec."""
         evaluator = self.evaluator
-        settings = self._in_force(limits)
-        return Supervisor(evaluator.spec, evaluator.program, limits, clock, settings, self._contract)
+        held, settings = self._in_force(limits)
+        return Supervisor(evaluator.spec, evaluator.program, held, clock, settings, self._contract)
 
-    def _in_force(self, limits: Limits | None) -> Settings:
+    def _in_force(self, limits: Limits | None) -> tuple[Limits, Settings]:
         spec = self.evaluator.spec
-        return with_limits(spec, Limits.of(spec) if limits is None else limits, self.settings)
+        held = limits_with(spec, {}, self.settings) if limits is None else limits
+        return held, with_limits(spec, held, self.settings)
 
     @cached_property
     def _contract(self) -> Contract:
@@ -60,7 +61,8 @@ class Rulebox:
             return self.supervisor(limits, clock)
         from trackmarshal.backends.c.supervisor import CSupervisor
 
-        return CSupervisor(self.evaluator.spec, self.evaluator.rules, limits, clock, self._in_force(limits))
+        held, settings = self._in_force(limits)
+        return CSupervisor(self.evaluator.spec, self.evaluator.rules, held, clock, settings)
 
 
 def rulebox(
@@ -75,8 +77,17 @@ def rulebox(
 
 
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
-    """The limits that a spec declares, with some changed; raises E481 or E485, and E403 where they break a constraint of the spec."""
-    held = Limits.of(spec, **changes)
+    """The limits that a spec declares, as parameters in settings have them, with some changed by name; raises E481 or E485, and E403 where
+    they break a constraint of the spec."""
+    given = Limits.given(spec, settings.params)
+    for name in given.keys() & changes.keys():
+        if given[name] != changes[name]:
+            raise TrackmarshalError(
+                "E481",
+                f"the limit `{name}` is {changes[name]!r:.40}, and {given[name]!r} by the parameter that declares it",
+                help="give one of them, or both alike",
+            )
+    held = Limits.of(spec, **{**given, **changes})
     with_limits(spec, held, settings, named=changes)
     return held
 

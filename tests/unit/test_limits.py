@@ -16,8 +16,11 @@ from support.cycles import cycle, plan
 from support.supervised import BACKENDS, ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.cli.options import limits_of
+from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
+from trackmarshal.process.serving import build
 from trackmarshal.runtime.cycle import UNITS
+from trackmarshal.supervision import rulebox
 
 DECLARED = ROOT / "specs" / "supervisor" / "limits.spec"
 
@@ -92,6 +95,33 @@ def test_limits_that_are_given_are_held_to_the_constraints_of_those_that_are_dec
     with pytest.raises(tm.TrackmarshalError, match="does not hold"):
         limits_of(Namespace(limit=["longest_gap=0.3"]), spec)
     assert limits_of(Namespace(limit=["longest_gap=0.1"]), spec).longest_gap == 0.1
+
+
+@BACKENDS
+def test_a_parameter_that_declares_a_limit_is_that_limit_where_it_is_given_too(backend: str) -> None:
+    """`params` were taken, and the limits stayed as the project declares them: stamps 0.15 s apart were let pass where 0.05 s was asked for."""
+    wide = {"longest_gap": 0.3, "t_next": 0.4, "t_unseen": 0.4}
+    for params, held in (
+        ({"longest_gap": 0.05, "samples": 300.0}, tm.Limits(longest_gap=0.05, samples=300)),
+        (wide, tm.Limits(longest_gap=0.3)),
+    ):
+        assert tm.supervisor(shipped(), ["friction"], backend=backend, params=params).limits == held
+    given = {"limits": {"longest_gap": 0.3}, "params": wide}
+    assert tm.supervisor(shipped(), ["friction"], backend=backend, **given).limits.longest_gap == 0.3  # type: ignore[arg-type]
+    with pytest.raises(
+        tm.TrackmarshalError, match=r"`longest_gap` is 0\.2, and 0\.3 by the parameter"
+    ) as caught:
+        tm.supervisor(shipped(), backend=backend, limits={"longest_gap": 0.2}, params=wide)
+    assert caught.value.code == "E481"
+    with pytest.raises(tm.TrackmarshalError, match=r"the limit `samples` is 2\.5"):
+        tm.supervisor(shipped(), backend=backend, params={"samples": 2.5})
+
+
+def test_a_process_has_them_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trackmarshal.process.serving.program", lambda *given: Path("not compiled"))
+    box = rulebox(Evaluator(shipped(), ["friction"], "c"), {"longest_gap": 0.05})
+    said = build(shipped(), box.evaluator.rules, settings=box.settings).layout.said
+    assert said["limits"]["longest_gap"] == 0.05
 
 
 @BACKENDS

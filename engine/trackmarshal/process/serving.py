@@ -18,7 +18,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.messages import Layout
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.supervision import with_limits
+from trackmarshal.supervision import limits_with, with_limits
 
 #: Where POSIX shared memory is a folder of files; a name without a slash stands for a file there.
 _SHARED = Path("/dev/shm")
@@ -54,7 +54,7 @@ def build(
             "E473", "a generated Supervisor has the places of its spec", help="put them into the spec"
         )
     source = generated(spec, rules, doored=True)
-    made = emitted(source, limits or Limits.of(spec), settings)
+    made = emitted(source, limits or limits_with(spec, {}, settings), settings)
     path = program(source, made.files, UNITS, made.sizes)
     return Built(path, Layout(made.description))
 

@@ -26,6 +26,7 @@ from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.frame import NO_SETTINGS, Arena, Columns, Settings
 from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
+from trackmarshal.supervision import limits_with
 
 #: Kinds of reasons beside faults.
 _RULE, _LOST = 1, 2
@@ -48,13 +49,13 @@ class RemoteSupervisor(CSupervisor):
         settings: Settings = NO_SETTINGS, patience: float = 0.1,
     ) -> None:  # fmt: skip
         self.client = client
-        given = Limits.of(spec) if limits is None else limits
+        given = limits_with(spec, {}, settings) if limits is None else limits
 
         def stepping(source: Source) -> RemoteStepper:
             _refuse_other(client.layout, Layout(emitted(source, given, settings).description))
             return RemoteStepper(source, client, patience)
 
-        super().__init__(spec, rules, limits, clock, settings, stepping)
+        super().__init__(spec, rules, given, clock, settings, stepping)
 
     def close(self) -> None:
         super().close()

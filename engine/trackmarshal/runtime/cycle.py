@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -113,6 +114,16 @@ class Limits:
                 help_ = close_matches(name, UNITS) or f"there are {', '.join(UNITS)}"
                 raise TrackmarshalError("E481", f"there is no limit `{name}`", help=help_)
         return cls(**{**declared, **changes})
+
+    @staticmethod
+    def given(spec: Spec, params: Mapping[str, float]) -> dict[str, float]:
+        """Of parameters by their full names, those that declare limits of a spec, by the names of the limits."""
+        named = {f"{LIMITS_MODULE}.{name}": name for name in UNITS}
+        return {
+            named[name]: int(value) if named[name] in CAPACITIES and value == int(value) else value
+            for name, value in params.items()
+            if name in named and name in spec.params
+        }
 
     def declared(self, spec: Spec) -> dict[str, float]:
         """Those that a spec declares, by the names of its parameters, as they are here."""
