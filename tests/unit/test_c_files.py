@@ -118,6 +118,14 @@ int main(int, char **argv) {
     tm_step(&context, &cycle, clock_of, &finished, &decision);
     std::printf("%d\\n", decision.safe ? 1 : 0);
   }
+  tm_defaults(&configuration);
+  if (tm_configure(&context, &configuration).status != TM_OK) { return 5; }
+  configuration.limits.longest_gap = 100.0;  // what is refused is not what the stored trajectory is held to
+  if (tm_configure(&context, &configuration).status != TM_BAD_LIMIT) { return 6; }
+  cycle.came = false;
+  cycle.now = finished;
+  tm_step(&context, &cycle, clock_of, &finished, &decision);
+  if (decision.driven != TM_DRIVE_STORED || decision.valid_until != finished + 0.15) { return 7; }
   return (tml_length(0u) == 0u) ? 0 : 1;
 }
 """

@@ -36,6 +36,7 @@ def configuration(plan: Layout, given: Supervised) -> Iterator[str]:
     yield "{"
     yield '  tm_configured said = {TM_OK, ""};'
     yield "  size_t parts = 0u;"
+    yield "  const tm_limits before = c->limits;"
     yield "  c->configured = 0u;"
     yield "  if (!tm_as_written()) {"
     yield "    said.status = TM_UNSUPPORTED;"
@@ -50,6 +51,9 @@ def configuration(plan: Layout, given: Supervised) -> Iterator[str]:
     yield '    said.which = "configuration";'
     yield "  } else {"
     yield "    /* it says what cannot stand */"
+    yield "  }"
+    yield "  if (c->configured != TM_MADE) {"
+    yield "    c->limits = before; /* what is stored is driven on, and held to them */"
     yield "  }"
     yield "  return said;"
     yield "}"
