@@ -10,11 +10,13 @@ from typing import Any
 
 import pytest
 
+import trackmarshal as tm
 from support.cycles import PERIOD, cycle
 from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.calling.quick import Slowly
 from trackmarshal.backends.c.supervisor import CSupervisor
+from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import FAULTS
 from trackmarshal.runtime.record import read
@@ -24,6 +26,17 @@ from trackmarshal.supervision import supervisor
 IN_C = pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
 AT_LENGTH = pytest.param("slowly", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
 pytestmark = pytest.mark.parametrize("backend", ["reference", IN_C, AT_LENGTH])
+
+
+class Stopping(Mapping[str, Any]):
+    def __getitem__(self, name: str) -> Any:
+        raise KeyboardInterrupt
+
+    def __iter__(self) -> Iterator[str]:
+        raise KeyboardInterrupt
+
+    def __len__(self) -> int:
+        raise KeyboardInterrupt
 
 
 class Clock:
@@ -44,6 +57,10 @@ class Clock:
 def made(backend: str, clock: Clock, record: Path | None = None) -> Supervisor | CSupervisor:
     own = "c" if backend == "slowly" else backend
     one = supervisor(shipped(), backend=own, clock=clock, limits={"budget": 1e3}, record=record, snapshots=0)
+    return quickly_or_not(one, backend)
+
+
+def quickly_or_not(one: Supervisor | CSupervisor, backend: str) -> Supervisor | CSupervisor:
     if backend == "slowly":
         assert isinstance(one, CSupervisor)
         one._quick = Slowly()
@@ -143,16 +160,6 @@ def test_who_was_stopped_in_a_step_takes_the_next_one(backend: str) -> None:
 
 
 def test_who_was_stopped_while_a_cycle_was_read_keeps_what_is_stored(backend: str) -> None:
-    class Stopping(Mapping[str, Any]):
-        def __getitem__(self, name: str) -> Any:
-            raise KeyboardInterrupt
-
-        def __iter__(self) -> Iterator[str]:
-            raise KeyboardInterrupt
-
-        def __len__(self) -> int:
-            raise KeyboardInterrupt
-
     clock = Clock()
     one = made(backend, clock)
     for number in range(3):
@@ -167,3 +174,39 @@ def test_who_was_stopped_while_a_cycle_was_read_keeps_what_is_stored(backend: st
     )
     assert decision.driven is not None
     assert decision.driven.number == 2
+
+
+def test_a_cycle_in_which_a_step_was_stopped_is_a_gap_to_rules_over_the_run(backend: str) -> None:
+    """It had been read, so that nothing was missing; what was too fast in it was in no window of the next second, which was driven."""
+    spec = tm.loads(
+        "module small\n"
+        "signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "signal ego : state { x: m, y: m, heading: rad, v: m/s }\n"
+        'rule steady "In the last second, the car was no faster than 2 m/s"\n'
+        "  require historically[0 s, 1 s] ego.v <= 2 m/s\n"
+    )
+    clock = Clock()
+    one = quickly_or_not(
+        supervisor(spec, backend="c" if backend == "slowly" else backend, clock=clock), backend
+    )
+    stands = {"t": [0.0, 1.0], **{name: [0.0, 0.0] for name in ("x", "y", "heading", "v")}}
+
+    def step(number: int, v: float) -> Decision:
+        clock.now, clock.reads = PERIOD * number, 0
+        ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": v}
+        return one.step(Cycle(number, clock.now, stands, stands, {"ego": ego}))
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    assert [step(number, 0.0).safe for number in range(3)] == [True] * 3
+    with pytest.raises(KeyboardInterrupt):
+        one.step(Cycle(3, 0.0, stands, stands, Stopping()))  # while it is read, it is none
+    assert step(3, 0.0).safe
+    clock.asks = stop
+    with pytest.raises(KeyboardInterrupt):
+        step(4, 3.0)
+    assert [(step(number, 0.0).safe, step(number + 1, 0.0).safe) for number in (5, 7, 9)] == [
+        (False, False)
+    ] * 3
+    assert [step(number, 0.0).safe for number in range(11, 16)][-1]

@@ -164,7 +164,14 @@ class Supervisor(OfOneRun):
         if not self._taken.acquire(blocking=False):
             return overlapping()
         try:
-            return self.go_on(self.open(cycle))
+            opened, memory = self.open(cycle), self.memory
+            try:
+                return self.go_on(opened)
+            except BaseException:
+                # What was read counts as the last cycle, and rules that remember know nothing of it: a gap.
+                if self.memory is memory:
+                    self.memory = self._gap(_Closing())
+                raise
         finally:
             self._taken.release()
 
