@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import tempfile
 from dataclasses import replace
 from functools import cache
@@ -18,6 +19,7 @@ from support.pairs import generated
 from support.remembering import NAMES, remembering, sources
 from support.supervised import ROOT
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.saving import MOST_BYTES, words
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
@@ -521,9 +523,18 @@ def test_memory_that_is_too_large_to_be_copied(tmp_path: Path) -> None:
     made.step(straight(0))
     made.close()
     assert made.record_error == ""
-    assert "E486" in made.recorder.snapshot_error or "MiB" in made.recorder.snapshot_error
+    said = re.search(r"E486.* takes (\d+) KiB, and at most (\d+) are saved", made.recorder.snapshot_error)
+    assert said is not None
+    assert int(said[1]) > int(said[2]) == MOST_BYTES >> 10
     run = read((tmp_path / "run.arrows").read_bytes(), "run")
     assert (len(run.cycles), run.snapshots) == (1, ())
+
+
+def test_memory_that_is_only_just_too_large_is_said_to_be_larger() -> None:
+    """It was said to take 4 MiB, where at most 4 are saved."""
+    with pytest.raises(TrackmarshalError, match="takes 4097 KiB, and at most 4096 are saved"):
+        words("program", [(0, MOST_BYTES + 1)], {})
+    assert words("program", [(0, MOST_BYTES)], {})
 
 
 @pytest.mark.parametrize("every", [-1, 1.5, True, None])

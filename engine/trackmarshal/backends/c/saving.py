@@ -26,7 +26,9 @@ def words(
     """What the bytes are of. Raises TrackmarshalError E486 where they are too many, as they are to be copied in a step."""
     total = sum(size for _, size in lasting)
     if total > most:
-        raise unsaved(f"the memory of its rules takes {total >> 20} MiB, and at most {most >> 20} are saved")
+        raise unsaved(
+            f"the memory of its rules takes {-(-total >> 10)} KiB, and at most {most >> 10} are saved"
+        )
     return f"{program} {sorted(sizes.items())} {lasting} {sys.byteorder}"
 
 
