@@ -49,6 +49,11 @@ class Rulebox:
         held = limits_with(spec, {}, self.settings) if limits is None else limits
         return held, with_limits(spec, held, self.settings)
 
+    @property
+    def open_loop(self) -> Limits:
+        """The limits of recordings (`Limits.open_loop`), with the values in force."""
+        return Limits.open_loop(self.evaluator.spec, self.settings.params)
+
     @cached_property
     def _contract(self) -> Contract:
         return of_cycles(self.evaluator.spec, self.evaluator.program.rules)

@@ -20,6 +20,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.process.serving import build
 from trackmarshal.runtime.cycle import UNITS
+from trackmarshal.scenarios.supervised import frames
 from trackmarshal.supervision import rulebox
 
 DECLARED = ROOT / "specs" / "supervisor" / "limits.spec"
@@ -122,6 +123,16 @@ def test_a_process_has_them_so(monkeypatch: pytest.MonkeyPatch) -> None:
     box = rulebox(Evaluator(shipped(), ["friction"], "c"), {"longest_gap": 0.05})
     said = build(shipped(), box.evaluator.rules, settings=box.settings).layout.said
     assert said["limits"]["longest_gap"] == 0.05
+
+
+@pytest.mark.parametrize(("most", "decided"), [(10, "no_safe_trajectory"), (500, "drive")])
+def test_so_has_a_recording_that_gives_them(most: int, decided: str) -> None:
+    """Its `samples` was listed as an override, and its cycles were held to those of the spec."""
+    made = tm.load_recording(ROOT / "specs" / "scenarios" / "free_lap.tmrec.jsonl")
+    given = replace(made, params={**made.params, "samples": most}, cycles=made.cycles[:2])
+    evaluator = tm.Evaluator(shipped(), ["friction"])
+    assert [one.decision for one in tm.replay(given, evaluator).cycles] == [decided] * 2
+    assert {bool(frame.faults) for frame in frames(given, evaluator, {})} == {most == 10}
 
 
 @BACKENDS

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -42,6 +43,9 @@ class Cycle:
 LIMITS_MODULE = "supervisor.limits"
 #: The limits that are capacities, and what a capacity is of.
 CAPACITIES = {"samples": "samples", "elements": "elements", "border": "points", "rate": "cycles a second"}
+
+#: Every parameter has the value that its spec declares.
+NO_PARAMS: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,13 +135,13 @@ class Limits:
         return {name: value for name, value in named.items() if name in spec.params}
 
     @classmethod
-    def open_loop(cls, spec: Spec | None = None) -> Limits:
+    def open_loop(cls, spec: Spec | None = None, params: Mapping[str, float] = NO_PARAMS) -> Limits:
         """For recordings of a car that did not follow the decisions: its pace and its pose say nothing about them.
 
-        All others are those that the spec declares, so that a replay refuses what is refused in the car; capacities that it does not declare are
+        All others are those that the spec declares, with the values of its parameters where others are in force, so that a replay refuses what is refused in the car; capacities that it does not declare are
         open.
         """
-        held = cls() if spec is None else cls.of(spec)
+        held = cls() if spec is None else cls.of(spec, **cls.given(spec, params))
         wide = {"samples": 10_000, "elements": 1_000, "border": 1_000_000, "rate": 1_000}
         declared = () if spec is None else [name for name in wide if f"{LIMITS_MODULE}.{name}" in spec.params]
         free: dict[str, Any] = {name: most for name, most in wide.items() if name not in declared}

@@ -21,7 +21,7 @@ Given = tuple[Cycle | None, float, float]
 def of_recording(recording: Recording, source: Source, settings: Settings) -> Iterator[str]:
     """The lines of a file. Every cycle arrives at its stamp, and takes no time; limits are those of `replay`."""
     given = ((cycle, cycle.t, cycle.t) for cycle in cycles(recording))
-    return _lines(source, settings, Limits.open_loop(source.plan.spec), given)
+    return _lines(source, settings, Limits.open_loop(source.plan.spec, settings.params), given)
 
 
 def of_run(run: Run, source: Source, settings: Settings) -> Iterator[str]:

@@ -14,7 +14,7 @@ from trackmarshal.backends.over_run.program import Remembering, remembers
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.contract import FOLLOWED
-from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.door.lines import line as line_of
@@ -80,7 +80,7 @@ def supervised(
     check_track(recording, evaluator)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     clock = _Clock()
-    supervisor = box.supervisor(Limits.open_loop(evaluator.spec), clock.read)
+    supervisor = box.supervisor(box.open_loop, clock.read)
     given = list(cycles(recording, further_names(recording, evaluator)))
     chunks = watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)])
     if any(map(remembers, evaluator.rules)):
@@ -97,8 +97,8 @@ def supervised(
 def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
     """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
     check_track(recording, evaluator)
-    settings = known_params(recording, evaluator.spec), tables
-    door = rulebox(evaluator, *settings).supervisor(Limits.open_loop(evaluator.spec)).door
+    box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
+    door = box.supervisor(box.open_loop).door
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
         frame = door.admit(-1, cycle, cycle.t).frame  # what came before counts
     return shown(frame)
@@ -107,8 +107,8 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
 def frames(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any]) -> list[Frame]:
     """All cycles of a recording as rules see them in `supervised`; a candidate's part is `of` its name."""
     check_track(recording, evaluator)
-    settings = known_params(recording, evaluator.spec), tables
-    door = rulebox(evaluator, *settings).supervisor(Limits.open_loop(evaluator.spec)).door
+    box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
+    door = box.supervisor(box.open_loop).door
     given = list(cycles(recording, further_names(recording, evaluator)))
     return [shown(one.frame) for one in door.admit_all(given)]
 
@@ -119,9 +119,8 @@ def run_until(
     """What rules say of a cycle, by its place in the recording, the cycles before it, and how many are missing after the last of those."""
     check_track(recording, evaluator)
     clock = _Clock()
-    supervisor = rulebox(evaluator, known_params(recording, evaluator.spec), tables).supervisor(
-        Limits.open_loop(evaluator.spec), clock.read
-    )
+    box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
+    supervisor = box.supervisor(box.open_loop, clock.read)
     kept = supervisor.program = Keeping(supervisor.program)
     steps = _in_step(
         supervisor,

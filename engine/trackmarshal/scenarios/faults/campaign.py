@@ -24,7 +24,7 @@ from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
-from trackmarshal.supervision import rulebox
+from trackmarshal.supervision import limits_with, rulebox
 
 #: Stamps are sums of steps; this is far less than a step, s.
 _SLACK = 1e-6
@@ -63,7 +63,7 @@ class Bench:
         check_track(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
-        self._limits = Limits.of(evaluator.spec) if limits is None else limits
+        self._limits = limits_with(evaluator.spec, {}, self._box.settings) if limits is None else limits
         self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
         self._cycles = list(cycles(recording))
         self._judging = Judging(evaluator.program)

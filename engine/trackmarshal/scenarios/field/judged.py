@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.evaluation import CHUNK, Evaluator
-from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
@@ -66,8 +65,8 @@ def judge(
 ) -> Judgement:
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
     tables, _ = known_tables(recording, evaluator.spec)
-    params = known_params(recording, evaluator.spec)
-    door = rulebox(evaluator, params, tables).supervisor(Limits.open_loop(evaluator.spec)).door
+    box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
+    door = box.supervisor(box.open_loop).door
     frames: list[Frame] = []
     faults: dict[int, str] = {}
     for place, cycle in enumerate(cycles(recording, further_names(recording, evaluator))):
