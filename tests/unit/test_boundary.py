@@ -8,10 +8,11 @@ import pytest
 
 from support.project import command
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import loads
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing.boundary import Distances
 from trackmarshal.testing.cases import prepare
-from trackmarshal.testing.run import coverage, run_tests
+from trackmarshal.testing.run import coverage, has_boundary, run_tests
 
 HEAD = """module m
 signal ego : state { v: m/s, gap: m, x: m, y: m, on: bool }
@@ -77,6 +78,23 @@ def ego(v: float = 5, gap: float = 20, x: float = 5, y: float = 5) -> str:
 )  # fmt: skip
 def test_on_it(rule: str, given: str, expect: str, tmp_path: Path) -> None:
     assert judged(tmp_path, rule, given, expect) == ("passed", (), True)
+
+
+@pytest.mark.parametrize(
+    ("demand", "there"),
+    [
+        ("require ego.v <= 10 m/s", True),
+        ("require ego.on or ego.v <= 10 m/s", True),
+        ("require count(rising(ego.on), last: 10 s) <= 2", True),  # nothing but a number of cycles is a limit
+        ("whenever ego.v > 3 m/s\n  require ego.on", False),
+        ("whenever rising(ego.v > 3 m/s)\n  require once[0 s, 5 s] ego.on", False),
+        ("for all p in plan where p.v > 3 m/s\n  require ego.on", False),
+    ],
+)
+def test_whether_there_is_one(demand: str, there: bool) -> None:
+    """Of a rule of which guards alone compare numbers no test has a margin of 0: one was asked for, and none of a count of Booleans."""
+    (rule,) = loads(f'{HEAD.split("rule", 1)[0]}rule asked "a demand"\n  {demand}\n').rules
+    assert has_boundary(rule) == there
 
 
 def test_any_margin_is_none(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import SCALED
+from trackmarshal.ir.margins import SCALED, margin_units
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.records import not_on_it
 from trackmarshal.runtime.frame import Frame
@@ -55,16 +55,8 @@ class Coverage:
 
 
 def has_boundary(rule: RuleInfo) -> bool:
-    """Whether a rule compares numbers, so that a case can lie exactly on its boundary."""
-    return rule.unit != "1" or any(
-        type(n).__name__ == "Compare" and getattr(n, "op", "") != "is" for n in _nodes(rule)
-    )
-
-
-def _nodes(rule: RuleInfo) -> Iterator[object]:
-    from trackmarshal.ir.nodes import below
-
-    return below(rule.formula) if rule.formula is not None else iter(())
+    """Whether a rule's margin is made of numbers, so that a case can lie exactly on its boundary: guards choose what is demanded, and no case lies on one."""
+    return rule.formula is not None and bool(margin_units(rule.formula))
 
 
 def run_tests(
