@@ -253,6 +253,14 @@ def test_a_rule_that_is_not_chosen_is_not_judged() -> None:
     assert "slow_under_yellow" not in out
 
 
+def test_a_vehicle_of_numbers_says_that_it_overrides_nothing() -> None:
+    """Nobody wrote the names that it overrides otherwise: what is refused says where they come from."""
+    status, text = replayed((", params: {}, tables: {}", ""))
+    assert status == 2
+    assert "D203" in text
+    assert "`params: {}` in it for nothing" in text
+
+
 def test_a_vehicle_of_its_own_file() -> None:
     body = VEHICLE.strip("{}").replace(", ", "\n").replace("length", "length", 1)
     Path("racer.yaml").write_text(

@@ -250,6 +250,9 @@ def evaluator_for(
         )
     except TrackmarshalError as error:
         error.file = error.file or recording.source
+        if error.code == "D203" and PurePath(recording.source).suffix in (".yaml", ".yml"):
+            # Nobody wrote these names: a vehicle whose numbers stand in a declaration overrides what the shipped ones are made of.
+            error.help = f"{error.help}; a `vehicle` that stands in a declaration says itself what it overrides: `params: {{}}` in it for nothing"
         raise
     if given.broken:
         raise TrackmarshalError(
