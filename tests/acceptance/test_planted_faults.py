@@ -309,6 +309,18 @@ def test_a_baseline_that_was_elsewhere_is_restored_as_the_message_says(name: str
     assert judged(project, rerun=True) == (0, [])
 
 
+def test_no_rule_lacks_a_test_since_another_one_does(project: Path) -> None:
+    """A run that fires where it may not leaves cells open: it was told as a consequence of the first rule without a test, and so were all others."""
+    rules = "".join(
+        f'\nrule {name} "Not so fast"\n  satisfies {id_}\n  for all   p in plan\n  require   p.v <= 9 m/s\n'
+        for name, id_ in (("slow", "S-1"), ("slower", "S-4"))
+    )
+    one_side = '\ntest slow "at it"\n  given  plan = line(v: 9 m/s)\n  expect satisfied, margin 0 m/s\n'
+    add("specs/rules.spec", rules + one_side)(project)
+    found = causes(judged(project)[1])
+    assert {("T212", "slow"), ("T211", "slower"), ("T230", "S-32")} <= set(found)
+
+
 def test_a_changed_scenario_hides_no_rule_without_a_test(project: Path) -> None:
     """It was told as a consequence: whoever accepted the scenario met it only then."""
     for name in ("a speed of a recording changed", "a rule without a test"):

@@ -100,7 +100,8 @@ _NOT_RUN = frozenset({"T241", "T262"})
 #: What is said of reviews themselves.
 _OF_REVIEWS = frozenset({"T167", "T168", "T382"})
 #: What is lacking of tests and readers is not lacking since a scenario is to show something else.
-_OF_TESTS_AND_READERS = frozenset({"T211", "T212", "T382"})
+_OF_TESTS = frozenset({"T211", "T212"})
+_OF_TESTS_AND_READERS = _OF_TESTS | {"T382"}
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
 _FAR = 2
 #: Steps of which two findings about one thing are told as one.
@@ -202,8 +203,10 @@ class _Folding:
                     if (
                         root is finding
                         or root in seen
-                        # Nothing was changed since a cell is open.
-                        or (self._key[other][0] == OPEN and step <= UNREAD)
+                        # Nothing was changed, and no test is lacking, since a cell is open.
+                        or (self._key[other][0] == OPEN and (step <= UNREAD or finding.code in _OF_TESTS))
+                        # A run comes out as it does whether rules have tests or not: only cells that hold such a rule are open for want of one.
+                        or (step == OPEN and other.code in _OF_TESTS and name not in finding.rests_on)
                         or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
                     ):
                         continue
@@ -223,7 +226,7 @@ class _Folding:
             return False  # no error hides behind a warning
         if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
             return False
-        if other.code == "T255" and finding.code in ("T211", "T212"):
+        if other.code == "T255" and finding.code in _OF_TESTS:
             return False  # a side of a boundary is not tested, whatever method nothing answers
         if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
             return False
