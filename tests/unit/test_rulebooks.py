@@ -354,3 +354,17 @@ def test_rules_over_the_run_are_not_those_of_a_case() -> None:
     assert "error[E407]" in err
     chosen = ("--rule", "no_contact", "--rule", "town", "--rule", "gentle")
     assert run_command("choose", "lanes.spec", written(FAST), "--rulebook", "lanes", *chosen)[0] == 1
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.parametrize("chosen", [(), ("--rule", "no_contact", "--rule", "gentle")])
+def test_a_rule_over_the_run_that_is_ranked_is_not_to_be_left_out(chosen: tuple[str, ...]) -> None:
+    """It was said to leave it out, and of whoever did to evaluate it: what compares by such a rulebook is a replay."""
+    remembering = LANES.replace(
+        "  for all   p in plan\n  require   p.v <=", "  require   once plan.last.v <="
+    )
+    Path("lanes.spec").write_text(remembering)
+    status, _, err = run_command("choose", "lanes.spec", written(FAST), "--rulebook", "lanes", *chosen)
+    assert status == 2
+    assert "error[E407]: `town` is a rule over the run" in err
+    assert "`trackmarshal replay ... --rulebook lanes`" in err

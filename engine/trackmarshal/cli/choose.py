@@ -51,7 +51,13 @@ def run(args: argparse.Namespace) -> int:
     order = rulebook(spec, named(args.rulebook, spec))
     within = project if args.project is not None else project_of(Path(args.spec).parent) or project
     evaluator = Evaluator(spec, args.rule, args.backend, lambda: declared_within(spec, within))
-    refuse_over_run(evaluator, "candidates are cases by themselves: choose other rules with --rule")
+    alone = "candidates are cases by themselves"
+    ranked = [rule for rule in spec.rules if rule.name in order.rules]
+    refuse_over_run(  # to leave out what the rulebook ranks is refused too
+        ranked,
+        f"the rulebook ranks it, and {alone}: of a recording, `trackmarshal replay ... --rulebook {order.name}` compares both candidates of each cycle",
+    )
+    refuse_over_run(evaluator.rules, f"{alone}: choose other rules with --rule")
     names, frames = [], []
     for place, (identity, case) in enumerate(read_cases(args.cases, evaluator), start=1):
         if isinstance(case, TrackmarshalError):

@@ -13,7 +13,7 @@ import argparse
 import json
 import math
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -29,7 +29,7 @@ from trackmarshal.units import written
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.ir.spec import Spec
+    from trackmarshal.ir.spec import RuleInfo, Spec
     from trackmarshal.runs import Frames
     from trackmarshal.runtime.frame import Frame
     from trackmarshal.runtime.verdict import CaseResult
@@ -88,7 +88,9 @@ def run(args: argparse.Namespace) -> int:
     evaluator = Evaluator(spec, args.rule, args.backend, lambda: declared_within(spec, within))
     if args.run:
         return _run(evaluator, args)
-    refuse_over_run(evaluator, "give the cycles of one run with --run, or choose other rules with --rule")
+    refuse_over_run(
+        evaluator.rules, "give the cycles of one run with --run, or choose other rules with --rule"
+    )
     status = 0
     pending: list[Numbered] = []
     read = 0
@@ -102,11 +104,11 @@ def run(args: argparse.Namespace) -> int:
     return max(status, _flush(pending, evaluator, args))
 
 
-def refuse_over_run(evaluator: Evaluator, help_: str) -> None:
+def refuse_over_run(rules: Iterable[RuleInfo], help_: str) -> None:
     """Raise E407 where a rule speaks of other cycles than the one that a case is."""
     from trackmarshal.backends.over_run.program import remembers
 
-    over = next((rule for rule in evaluator.rules if remembers(rule)), None)
+    over = next((rule for rule in rules if remembers(rule)), None)
     if over is not None:
         raise TrackmarshalError(
             "E407", f"`{over.name}` is a rule over the run", file=over.span.file.path, line=over.span.line, help=help_
