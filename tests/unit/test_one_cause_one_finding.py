@@ -87,3 +87,11 @@ def test_capitals_come_before_what_is_merely_alike() -> None:
     assert close_matches("Ego", ["ego", "egos"]) == "did you mean `ego`? Capital and small letters differ"
     assert close_matches("egoo", ["ego"]) == "did you mean `ego`?"
     assert close_matches("x", ["y"]) == ""
+
+
+def test_what_is_much_longer_is_not_what_was_meant() -> None:
+    """Of what a signal shows, `red` was said to mean `proceed`."""
+    assert close_matches("red", ["stop", "proceed"]) == ""
+    assert close_matches("proceed", ["red"]) == ""
+    assert close_matches("veh", ["vehicle"]) == "did you mean `vehicle`?"
+    assert close_matches("proced", ["stop", "proceed"]) == "did you mean `proceed`?"

@@ -83,7 +83,15 @@ def close_matches(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     if found:
         listed = " or ".join(f"`{name}`" for name in found)
         return f"did you mean {listed}? Capital and small letters differ"
-    found = get_close_matches(word, names, n=3, cutoff=cutoff)
+    found = get_close_matches(
+        word, [name for name in names if _of_like_length(word, name)], n=3, cutoff=cutoff
+    )
     if not found:
         return ""
     return "did you mean " + " or ".join(f"`{name}`" for name in found) + "?"
+
+
+def _of_like_length(word: str, name: str) -> bool:
+    """Whether shared letters say anything: with the letters of `red`, more than twice as many are `proceed`, which is its contrary."""
+    short, long = sorted((word, name), key=len)
+    return len(long) <= 2 * len(short) or long.startswith(short)
