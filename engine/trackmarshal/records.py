@@ -691,8 +691,11 @@ def _refused(message: str) -> TrackmarshalError:
 
 def strict(data: bytes) -> Any:
     """What JSON says that has no NaN, no name twice in an object, of which readers take the one or the other, and no half of a pair of surrogates, which
-    nobody can print; raises ValueError, RecursionError."""
-    value = json.loads(data.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+    nobody can print; raises ValueError, also for nesting without end."""
+    try:
+        value = json.loads(data.decode("utf-8"), parse_constant=_no_constant, object_pairs_hook=_no_twins)
+    except RecursionError as error:  # what it says differs by the version of Python
+        raise ValueError("nested too deeply") from error
     if b"\\u" in data:
         try:
             json.dumps(value, ensure_ascii=False).encode()

@@ -231,7 +231,9 @@ def opened(lines: Sequence[str], kind: str, of: str, shown: str = "") -> Pieces:
         digest.update(b"\n")
     try:
         read = [json.loads(line, parse_constant=_no_constant) for line in lines]
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise damaged("it is nested too deeply", shown) from error
+    except ValueError as error:
         raise damaged(str(error), shown) from error
     if read[-1] != ["end", digest.hexdigest()]:
         raise damaged("its digest is another one", shown)

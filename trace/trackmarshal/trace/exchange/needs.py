@@ -179,8 +179,9 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
             "T350", f"not JSON: {problem.msg}", shown, problem.lineno, "is the file whole?"
         ) from None
     except (RecursionError, ValueError) as problem:
+        reason = "nested too deeply" if isinstance(problem, RecursionError) else str(problem)
         raise Refused(
-            "T350", f"not JSON that can be read: {problem}", shown, help="is this a file of needs?"
+            "T350", f"not JSON that can be read: {reason}", shown, help="is this a file of needs?"
         ) from None
     if not isinstance(data, dict):
         raise Refused(
