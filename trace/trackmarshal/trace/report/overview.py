@@ -16,8 +16,8 @@ from trackmarshal.trace.report.svg.timeline import strip
 from trackmarshal.trace.report.words import clock, count, listed
 
 LEVELS = {"error": "must be mended", "warning": "should be looked at", "note": "for information"}
-#: Findings of one level that are shown at once; the rest unfold.
-SHOWN_AT_ONCE = 25
+#: Findings of one level that are shown at once; the rest unfold. Notes stand before the coverage, and nobody has to do anything about them.
+SHOWN_AT_ONCE = {"error": 25, "warning": 25, "note": 3}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +43,10 @@ def index_context(
         "cards": _cards([run for run, _ in runs], matrix_summary, findings, checks),
         "matrix": matrix,
         "findings": [
-            {"level": level, "words": words, "items": items}
+            {"level": level, "words": words, "items": items, "shown": SHOWN_AT_ONCE[level]}
             for level, words in LEVELS.items()
             if (items := [f for f in _standing(findings) if f["level"] == level])
         ],
-        "shown": SHOWN_AT_ONCE,
         "gaps": _gaps(matrix_summary),
         "signs": SIGNS,
         "waivers": matrix_summary.get("waivers", []),
