@@ -63,6 +63,17 @@ def test_of_a_road_with_ends(backend: str) -> None:
 
 
 @BACKENDS
+def test_of_a_point_that_is_repeated_but_for_rounding(backend: str) -> None:
+    """A hair behind where it was: that is no step, and the points are pairs all the same."""
+    left = [(0.0, 5.0), (8.0, 5.0), (12.0, 5.0), (20.0, 5.0)]
+    right = [(0.0, -5.0), (10.0, -9.0), (10.0 - 1e-10, -9.0), (20.0, -5.0)]
+    found = margins(backend, left, right, [(10.0, 0.0, 0.0)], False)
+    assert found[0].tolist() == pytest.approx([-1.0, 3.0, 0.1])
+    found = margins(backend, right[::-1], left[::-1], [(10.0, 0.0, np.pi)], False)
+    assert found[0].tolist() == pytest.approx([3.0, -1.0, 0.1])
+
+
+@BACKENDS
 def test_of_a_figure_of_eight(backend: str) -> None:
     (left, right), poses = loop(eight, COUNT, 4.0, 4.0)
     found = margins(backend, left, right, poses[::29], True)

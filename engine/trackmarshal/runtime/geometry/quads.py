@@ -94,9 +94,22 @@ def opposite(left: Floats, right: Floats, closed: bool) -> bool:
     """
     pairs = np.concatenate([left, right], axis=1)
     pairs = distinct(np.concatenate([pairs, pairs[:1]]) if closed else pairs, False)
-    quads = np.stack([pairs[:-1, 2:], pairs[1:, 2:], pairs[1:, :2], pairs[:-1, :2]])
+    quads = _merged(np.stack([pairs[:-1, 2:], pairs[1:, 2:], pairs[1:, :2], pairs[:-1, :2]]))
     areas = _areas(quads)
     return bool(((areas > 0.0).all() or (areas < 0.0).all()) and _simple(quads).all())
+
+
+def _merged(quads: Floats) -> Floats:
+    """Quadrilaterals in which a corner that repeats the last one kept stands in its place, and what repeats the first at the end in that of the
+    first: a step of one border that is none leaves a triangle."""
+    for k in (1, 2, 3):
+        again = (np.abs(quads[k] - quads[k - 1]) <= SAME).all(axis=1)
+        quads[k, again] = quads[k - 1, again]
+    last = np.ones(quads.shape[1], dtype=np.bool_)
+    for k in (3, 2, 1):
+        last &= (np.abs(quads[k] - quads[0]) <= SAME).all(axis=1)
+        quads[k, last] = quads[0, last]
+    return quads
 
 
 def _covered(point: Floats, quads: Floats, own: int) -> bool:
@@ -115,7 +128,7 @@ def _covered(point: Floats, quads: Floats, own: int) -> bool:
 def _areas(quads: Floats) -> Floats:
     """Twice the signed areas of quadrilaterals (4, n, 2)."""
     b, c, d = quads[1:] - quads[0]
-    areas: Floats = b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0] + c[:, 0] * d[:, 1] - c[:, 1] * d[:, 0]
+    areas: Floats = (b[:, 0] * c[:, 1] - b[:, 1] * c[:, 0]) + (c[:, 0] * d[:, 1] - c[:, 1] * d[:, 0])
     return areas
 
 
