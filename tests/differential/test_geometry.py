@@ -229,3 +229,37 @@ def test_points_in_zones() -> None:
     x, y = generator.uniform(-170.0, 170.0, (2, 600))
     expected = [reference.in_zone_margin(px, py, left) for px, py in zip(x.tolist(), y.tolist())]
     assert fast.Polygon(left).signed_distance(x, y).tolist() == expected
+
+
+@pytest.mark.parametrize("out", [1.0, -1.0], ids=["outwards", "inwards"])
+@pytest.mark.parametrize("width", [1e-6, 1e-7, 2e-8, 1e-12])
+def test_beside_a_spike(width: float, out: float) -> None:
+    """Beside the tip, both of a spike's sides are equally near up to rounding, and their normals add up to nothing: what lay wholly outside, 3 m from
+    the region, was inside it."""
+    generator = np.random.default_rng(5)
+    for turned in generator.uniform(-math.pi, math.pi, 12):
+        turn = complex(math.cos(turned), math.sin(turned))
+        tip = -out * 5.0
+        corners = [-5j, 50 - 5j, 50 + 5j, 5j, 0.5j * width, complex(tip), -0.5j * width]
+        zone = [((z * turn).real, (z * turn).imag) for z in corners]
+        made = fast.Polygon(zone)
+        assert made.fault is None
+        beside = (tip + np.array([0.0, 0.0, 1e-8, -1e-8]) + 1j * np.array([3.0, -3.0, 2.0, -2.0])) * turn
+        x, y = np.ascontiguousarray(beside.real), np.ascontiguousarray(beside.imag)
+        expected = [reference.in_zone_margin(px, py, zone) for px, py in zip(x.tolist(), y.tolist())]
+        assert made.signed_distance(x, y).tolist() == expected
+        heading = turned + np.array([0.0, 0.5, 0.5 * math.pi, 0.0])
+        poses = np.stack([x, y, heading, x, y, heading])
+        inside = [
+            reference.hull_in_polygon_margin(zone, pose, pose, 2.0, 1.0)
+            for pose in zip(x.tolist(), y.tolist(), heading.tolist())
+        ]
+        assert [margin >= 0.0 for margin in expected] == [out < 0.0] * 4
+        assert [margin >= 0.0 for margin in inside] == [out < 0.0] * 4
+        for found in (
+            made.margin_inside(*poses, 2.0, 1.0),
+            made.least_inside([*poses, 2.0, 1.0], 1, np.ones(4, dtype=bool))[0],
+        ):
+            same(found, inside, poses)
+        looked = made.nearest_inside([*poses[:, :1], 2.0, 1.0], 1, np.ones(1, dtype=bool))
+        assert (looked is not None) == (out < 0.0)

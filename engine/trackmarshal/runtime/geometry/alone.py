@@ -30,6 +30,8 @@ def distance(border: Border, sweeps: Sweeps, row: int, k: int) -> tuple[float, b
             to_side = min(to_side, abs((gy * cx - gx * cy) / math.sqrt(square)))
     to_line /= length
     found = min(to_line, math.sqrt(to_corner), to_side)
+    if border.spikes is not None and border.spikes[k]:
+        return found, None
     if to_line > found:
         bend = int(border.bend[k])
         return found, bend > 0 if bend else None

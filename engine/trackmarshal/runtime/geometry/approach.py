@@ -69,6 +69,9 @@ class Approach:
             straight = at_start[bend == 0]
             if straight.size:
                 left[straight] = self._left_at_start(pairs[straight])
+        if self.border.spikes is not None:
+            x, y = self.sweeps.centres(self.rows.take(pairs))
+            left = self.border.left_beside_spikes(left, x, y, self.k.take(pairs))
         return margin, left
 
     def _left_at_start(self, pairs: Ints) -> Bools:

@@ -49,6 +49,10 @@ class Border:
         turn = self.ex[before] * self.ey - self.ey[before] * self.ex
         turn /= self.length[before] * self.length
         self.bend = (turn < -STRAIGHT).astype(np.int8) - (turn > STRAIGHT).astype(np.int8)
+        back = (np.abs(turn) <= STRAIGHT) & (self.ex[before] * self.ex + self.ey[before] * self.ey < 0.0)
+        #: Segments with an end where the border turns round, as at the tip of a spike: rounding could decide which of its two sides is nearest,
+        #: and their normals add up to nothing. None where it does so nowhere.
+        self.spikes: Bools | None = back | back[self.next] if back.any() else None
         #: Rows ax, ay, ex, ey, square, length: what the distance of a hull takes of a segment, in one read.
         self.table = np.stack([self.ax, self.ay, self.ex, self.ey, self.square, self.length])
         #: Rows ax, ay, bx, by, ex, ey, square, length: what the distance of a point takes of a segment.
@@ -217,10 +221,32 @@ class Border:
 
     def left_of(self, x: Floats, y: Floats, k: Ints) -> Bools:
         """Whether points lie left of the border, each given a segment that is nearest to it."""
-        return self.left_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
+        left = self.left_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
+        return self.left_beside_spikes(left, x, y, k)
+
+    def left_beside_spikes(self, left: Bools, x: Floats, y: Floats, k: Ints) -> Bools:
+        """The same, where it is known what the nearest segment alone says: at a spike that says nothing, and a ray is followed."""
+        if self.spikes is not None:
+            unsure = self.spikes.take(k).nonzero()[0]
+            left[unsure] = self.encloses(x.take(unsure), y.take(unsure))
+        return left
+
+    def encloses(self, x: Floats, y: Floats) -> Bools:
+        """Whether rays from points along +x cross closed chains an odd number of times, by the steps of the reference."""
+        upward = self.ay < self.by
+        ax, ex = np.where(upward, self.ax, self.bx), np.where(upward, self.ex, -self.ex)
+        low, high = np.minimum(self.ay, self.by), np.maximum(self.ay, self.by)
+        ey, odd = high - low, np.zeros(x.size, dtype=np.bool_)
+        step = max(1, AT_ONCE // self.size)
+        for first in range(0, x.size, step):
+            px, py = x[first : first + step, None], y[first : first + step, None]
+            crossed = (low <= py) & (py < high)
+            crossed &= ex * (py - low) - ey * (px - ax) > 0.0
+            odd[first : first + step] = np.logical_xor.reduce(crossed, axis=1)
+        return odd
 
     def left_from(self, rx: Floats, ry: Floats, sx: Floats, sy: Floats, k: Ints) -> Bools:
-        """The same, of points as seen from the segment's start (rx, ry) and from its end (sx, sy)."""
+        """What the nearest segment says, of points as seen from its start (rx, ry) and from its end (sx, sy)."""
         ex, ey = self.ex[k], self.ey[k]
         along = ex * rx + ey * ry
         beside = (along > 0.0) & (along < self.square[k])

@@ -96,6 +96,12 @@ class Sweeps:
         made._sides = None
         return made
 
+    def centres(self, rows: Ints) -> Floats:
+        """The middles of some hulls, by their numbers: (2, rows)."""
+        first, second = self.frame[0].take(rows, axis=2).swapaxes(0, 1)
+        middles: Floats = self.position.take(rows, axis=1) + 0.5 * (first + second)
+        return middles
+
     def turn_of(self, row: int) -> tuple[float, float]:
         """Cosine and sine of the turn from the first footprint of a hull to the second."""
         turn_cos, turn_sin = self._turn

@@ -52,5 +52,6 @@ def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints, rows: Ints, k: I
     first = np.flatnonzero(distance == nearest[rows])
     first = first[starts_of(rows[first])]
     left = border.left_from(rx[first], ry[first], sx[first], sy[first], k[first])
+    left = border.left_beside_spikes(left, cx[first] + x[first], cy[first] + y[first], k[first])
     outside: Floats = np.where(left, 0.0, nearest).reshape(8, bad.size).max(axis=0)
     return outside
