@@ -231,6 +231,23 @@ def test_points_in_zones() -> None:
     assert fast.Polygon(left).signed_distance(x, y).tolist() == expected
 
 
+def test_a_case_by_itself_has_the_margin_of_its_batch() -> None:
+    """Straight on, where which corners lie on one line is a matter of rounding: numpy fuses products of complex numbers where it can, and margins
+    in a batch had other last bits than those of one case, which are worked out in plain numbers."""
+    generator = np.random.default_rng(1)
+    heading, step = generator.uniform(-4.0, 4.0, 600), generator.choice([0.5, 1.0, 2.5, 5.0], 600)
+    x, y = generator.uniform(-3.0, 3.0, 600), generator.uniform(-1.0, 1.0, 600)
+    poses = np.stack([x, y, heading, x + step * np.cos(heading), y + step * np.sin(heading), heading])
+    left, right = [(-40.0, 12.3), (0.0, 8.0), (40.0, 11.7)], [(-40.0, -12.1), (0.0, -7.5), (40.0, -12.9)]
+    track = fast.Corridor(left, right)
+    together = track.margin_inside(*poses, 4.7, 2.8)
+    one = np.ones(1, dtype=bool)
+    alone = [track.nearest_inside([*poses[:, k : k + 1], 4.7, 2.8], 1, one) for k in range(600)]
+    found = [(float(margin[0]), float(other)) for margin, other in zip(alone, together) if margin is not None]
+    assert len(found) > 200
+    assert all(margin == other for margin, other in found)
+
+
 @pytest.mark.parametrize("out", [1.0, -1.0], ids=["outwards", "inwards"])
 @pytest.mark.parametrize("width", [1e-6, 1e-7, 2e-8, 1e-12])
 def test_beside_a_spike(width: float, out: float) -> None:

@@ -55,13 +55,14 @@ def _outline(sweeps: Sweeps, row: int) -> list[tuple[float, float, float, float,
         )
         corners.append([(x + fx, y + fy), (x + bx, y + by), (x - fx, y - fy), (x - bx, y - by)])
     first, second = corners
-    back = complex(unit_x[0], -unit_y[0])
+    ux, uy = unit_x[0], unit_y[0]
     at_first, at_second = [], []
-    for i, turned in enumerate((back, back * -1j, -back, back * 1j)):
+    for i, (side_x, side_y) in enumerate(((ux, uy), (-uy, ux), (-ux, -uy), (uy, -ux))):
         (x, y), (bx, by) = first[i], second[i - 1]
-        seen = complex(x - bx, y - by) * turned
-        at_first.append(seen.real >= 0.0)
-        at_second.append(turn_cos * seen.real + turn_sin * seen.imag >= 0.0)
+        dx, dy = x - bx, y - by
+        along, across = dx * side_x + dy * side_y, dy * side_x - dx * side_y
+        at_first.append(along >= 0.0)
+        at_second.append(turn_cos * along + turn_sin * across >= 0.0)
     found = []
     for i in (0, 1, 2, 3):
         n = i - 3  # the next one

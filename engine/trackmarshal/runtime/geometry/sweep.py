@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Complexes, Floats, Ints
+from trackmarshal.runtime.geometry.arrays import LIMIT, SMALLEST, Bools, Floats, Ints
 
 #: Sides of a hull shorter than this [m] have no direction worth the name and are left out; their ends stay corners.
 SHORTEST = 1e-7
-#: Quarter turns that bring the sides of a rectangle, in their order, to the first one's direction.
-_TURNED_BACK = np.array([1.0, -1j, -1.0, 1j])[:, None]
+#: Of the directions of a rectangle's sides, in their order, which coordinate of the first one's each coordinate is, and its sign.
+_AXES, _SIGNS = (
+    np.array([[0, 1, 0, 1], [1, 0, 1, 0]]),
+    np.array([[1.0, -1.0, -1.0, 1.0], [1.0, 1.0, -1.0, -1.0]])[..., None],
+)
 _NEXT, _BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
@@ -121,12 +124,15 @@ class Sweeps:
         np.subtract(centre[:, :, None], half, out=corner[:, :, 2:])
         first, second = corner[:, 0], corner[:, 1]
         before, following = corner[:, 1].take(_BEFORE, axis=1), corner.take(_NEXT, axis=2)
-        turn_back = _complex(unit[0, 0], -unit[1, 0])
+        # Directions of the first's sides, in their order. Products of real numbers: where a processor can fuse a product and a sum, numpy does so
+        # with complex ones, and which corners are on one line would depend on the machine, and on who asks (`alone` does not fuse).
+        side_x, side_y = unit[:, 0].take(_AXES, axis=0) * _SIGNS
+        dx, dy = first - before
         # From the second's corner before to the first's corner, seen along the first's normal and along its side. The
         # second's normal lies between those two, so its sign cannot contradict both.
-        seen = _complex(*(first - before)) * (turn_back * _TURNED_BACK)
-        at_first = seen.real >= 0.0
-        at_second = turn_cos * seen.real + turn_sin * seen.imag >= 0.0
+        along, across = dx * side_x + dy * side_y, dy * side_x - dx * side_y
+        at_first = along >= 0.0
+        at_second = turn_cos * along + turn_sin * across >= 0.0
         at_first_next, at_second_next = at_first.take(_NEXT, axis=0), at_second.take(_NEXT, axis=0)
         to = np.where(at_first_next, following[:, 0], np.where(at_second, second, before))
         np.subtract(to, first, out=vector[:, 0])
@@ -182,12 +188,6 @@ class Boxes:
         np.add(ahead, left, out=self.corners[:, 0])
         np.subtract(left, ahead, out=self.corners[:, 1])
         np.negative(self.corners[:, :2], out=self.corners[:, 2:])
-
-
-def _complex(real: Floats, imaginary: Floats) -> Complexes:
-    made = np.empty(real.shape, dtype=np.complex128)
-    made.real, made.imag = real, imaginary
-    return made
 
 
 def usable_bodies(
