@@ -231,6 +231,18 @@ def test_points_in_zones() -> None:
     assert fast.Polygon(left).signed_distance(x, y).tolist() == expected
 
 
+def test_what_is_off_the_border_by_rounding_is_on_the_same_side() -> None:
+    """Within rounding of a vertex, and of a side 1e8 m from the origin, where doubles are 1.5e-8 m apart."""
+    zone = [(1e-7, -1.4), (1e-16, 0.0), (-2.0, -2.8), (-4.0, 1.4), (0.0, 8.4), (4.0, 8.4)]
+    assert fast.Polygon(zone).signed_distance(0.0, 0.0).tolist() == [reference.in_zone_margin(0.0, 0.0, zone)]
+    slot = [(20.0, 30.0), (-20.0, 30.0), (-20.0, -2.349), (3.0, -2.348998), (3.0, -2.35), (-20.0, -2.35), (-20.0, -30.0), (20.0, -30.0)]  # fmt: skip
+    far = [(x + 1e8, y - 1e8) for x, y in slot]
+    first, second = (1e8, -1e8, 0.5 * math.pi), (1e8, -1e8, 0.5 * math.pi + 0.1)
+    expected = reference.hull_in_polygon_margin(far, first, second, 4.7, 1.0)
+    assert expected < 0.0
+    assert fast.Polygon(far).margin_inside(*first, *second, 4.7, 1.0).tolist() == [expected]
+
+
 def test_a_case_by_itself_has_the_margin_of_its_batch() -> None:
     """Straight on, where which corners lie on one line is a matter of rounding: numpy fuses products of complex numbers where it can, and margins
     in a batch had other last bits than those of one case, which are worked out in plain numbers."""

@@ -71,7 +71,7 @@ class Approach:
                 left[straight] = self._left_at_start(pairs[straight])
         if self.border.spikes is not None:
             x, y = self.sweeps.centres(self.rows.take(pairs))
-            left = self.border.left_beside_spikes(left, x, y, self.k.take(pairs))
+            left = self.border.left_for_sure(left, self.border.unsure(self.k.take(pairs)), x, y)
         return margin, left
 
     def _left_at_start(self, pairs: Ints) -> Bools:

@@ -219,16 +219,20 @@ class Border:
         kept = (distance <= nearest[point, None]).ravel().nonzero()[0]
         return point[kept // BLOCK], k.ravel()[kept], distance.ravel()[kept]
 
-    def left_of(self, x: Floats, y: Floats, k: Ints) -> Bools:
-        """Whether points lie left of the border, each given a segment that is nearest to it."""
+    def left_of(self, x: Floats, y: Floats, k: Ints, distance: Floats) -> Bools:
+        """Whether points lie left of the border, each given a segment that is nearest to it, and its distance."""
         left = self.left_from(x - self.ax[k], y - self.ay[k], x - self.bx[k], y - self.by[k], k)
-        return self.left_beside_spikes(left, x, y, k)
+        return self.left_for_sure(left, self.unsure(k) | (distance < SLACK) & (distance > 0.0), x, y)
 
-    def left_beside_spikes(self, left: Bools, x: Floats, y: Floats, k: Ints) -> Bools:
-        """The same, where it is known what the nearest segment alone says: at a spike that says nothing, and a ray is followed."""
-        if self.spikes is not None:
-            unsure = self.spikes.take(k).nonzero()[0]
-            left[unsure] = self.encloses(x.take(unsure), y.take(unsure))
+    def unsure(self, k: Ints) -> Bools:
+        """Which nearest segments say nothing of the side on which something lies: those at a spike."""
+        return np.zeros(k.size, dtype=np.bool_) if self.spikes is None else self.spikes.take(k)
+
+    def left_for_sure(self, left: Bools, unsure: Bools, x: Floats, y: Floats) -> Bools:
+        """The side that nearest segments say, and where they may be wrong that of a ray, as the reference has it."""
+        which = unsure.nonzero()[0]
+        if which.size:
+            left[which] = self.encloses(x.take(which), y.take(which))
         return left
 
     def encloses(self, x: Floats, y: Floats) -> Bools:

@@ -101,7 +101,7 @@ class Region:
     def _signed_distance(self, x: Floats, y: Floats) -> Floats:
         nearest = self._nearest_of_all if self.border.size <= FEW else self._nearest
         k, best = nearest(x, y)
-        return np.where(self.border.left_of(x, y, k) | (best == 0.0), best, -best)
+        return np.where(self.border.left_of(x, y, k, best) | (best == 0.0), best, -best)
 
     def _nearest(self, x: Floats, y: Floats) -> tuple[Ints, Floats]:
         """The segment nearest to each point, and its distance."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from trackmarshal.runtime.geometry.approach import Approach
-from trackmarshal.runtime.geometry.arrays import Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import SLACK, Floats, Ints, starts_of
 from trackmarshal.runtime.geometry.border import Border
 from trackmarshal.runtime.geometry.sweep import Sweeps
 
@@ -52,6 +52,7 @@ def _corners_outside(border: Border, sweeps: Sweeps, bad: Ints, rows: Ints, k: I
     first = np.flatnonzero(distance == nearest[rows])
     first = first[starts_of(rows[first])]
     left = border.left_from(rx[first], ry[first], sx[first], sy[first], k[first])
-    left = border.left_beside_spikes(left, cx[first] + x[first], cy[first] + y[first], k[first])
+    unsure = border.unsure(k[first]) | (nearest < SLACK)
+    left = border.left_for_sure(left, unsure, cx[first] + x[first], cy[first] + y[first])
     outside: Floats = np.where(left, 0.0, nearest).reshape(8, bad.size).max(axis=0)
     return outside
