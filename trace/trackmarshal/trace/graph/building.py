@@ -107,7 +107,7 @@ class _Building:
         for entry in self.project.entries:
             attributes = dict(entry.attributes)
             if entry.kind == "analysis":
-                attributes["outcome"] = "open" if "open" in attributes else "complete"
+                attributes["outcome"] = self._of_argument(entry)
                 attributes["fingerprint"] = self._of_analysis(entry)
             if entry.made is not None:
                 attributes["made"] = entry.made.isoformat()
@@ -208,6 +208,13 @@ class _Building:
                 "result", f"{result.rule}: {result.title}", result.message, place,
                 {"outcome": result.outcome, "sha256": _record(result, "file", "line")},
             )  # fmt: skip
+
+    def _of_argument(self, entry: Entry) -> str:
+        """What came of an analysis: it left something open, is written down nowhere, or is complete."""
+        if "open" in entry.attributes:
+            return "open"
+        written = any(self.hashes.get(path) for kind, path in entry.links if kind == "backed_by")
+        return "complete" if written else "not written down"
 
     def _of_analysis(self, entry: Entry) -> str:
         """The fingerprint of an analysis: its title, and what stands in its document, which is what a review of it reads; "" without one."""

@@ -24,7 +24,7 @@ MEANINGS = {
 LIKE: Mapping[str, str] = {
     **{word: word for word in ("covered", "waived", "partial", "missing", "stale", "failed")},
     "passed": "covered", "run": "covered", "there": "covered", "accepted": "covered", "supported": "covered", "pass": "covered", "complete": "covered",
-    "pass with reservations": "waived", "open": "partial", "with reservations": "waived", "not run": "missing", "skipped": "missing", "no verdict": "missing",
+    "pass with reservations": "waived", "open": "partial", "with reservations": "waived", "not run": "missing", "skipped": "missing", "no verdict": "missing", "not written down": "missing",
     "changed": "stale", "error": "failed", "fail": "failed", "not supported": "failed",
 }  # fmt: skip
 

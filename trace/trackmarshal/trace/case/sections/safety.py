@@ -116,9 +116,17 @@ def decomposition(writing: Writing) -> Section | None:
 
 
 def _argued(writing: Writing, analysis: Node) -> Line:
-    """An analysis that argues for something; one that leaves something open argues for nothing yet, and is called so."""
+    """An analysis that argues for something; one that leaves something open, or that nobody wrote down, argues for nothing yet, and is called so."""
     ref: Line = (writing.ref(analysis.key),)
-    return (*ref, *writing.line("decomposition.unfinished")) if analysis.attributes.get("open") else ref
+    match analysis.attributes["outcome"]:
+        case "complete":
+            return ref
+        case "open":
+            return (*ref, *writing.line("decomposition.unfinished"))
+        case "not written down":
+            return (*ref, *writing.line("decomposition.unwritten"))
+        case other:
+            raise ValueError(f"an analysis of the outcome {other!r}")
 
 
 def requirements(writing: Writing) -> Section:
