@@ -199,6 +199,8 @@ FAULTS = [
     Fault("a decomposition that the standard does not know", swap(R, "asil: A(C)", "asil: QM(C)"), "T161", "S-3"),
     Fault("a decomposition that forgets its level", swap(R, "asil: B(C)", "asil: B(B)"), "T163", "S-32"),
     Fault("independence that nobody argues", swap(R, "    independence: [AN-1]\n", ""), "T162", "S-3"),
+    Fault("independence argued by an analysis of something else", agreed(swap(A, "method: dependent failures", "method: timing")), "T162", "S-3"),
+    Fault("parts that fail with one element", agreed(all_of(swap(R, "refines: [S-3]\n    allocated_to: [DE-2]", "refines: [S-3]\n    allocated_to: [DE-3]"), swap(R, "refines: [S-3]\n    allocated_to: [DE-1]", "refines: [S-3]\n    allocated_to: [DE-3]"), swap(D, "methods:\n", "  - {id: DE-3, title: unit, asil: B(C), owner: P-1}\nmethods:\n"))), "T162", "S-3"),
     Fault("a decomposition into one part", swap(R, "asil: A(C)", "asil: C"), "T161", "S-3"),
     # what cannot be read
     Fault("a conflict of a merge", swap(R, "    title: Brakes\n", "<<<<<<< ours\n    title: Brakes\n=======\n    title: Stopping\n>>>>>>> theirs\n"), "T105", status=2),

@@ -8,6 +8,9 @@ from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.graph.graph import Graph, Key, Node
 from trackmarshal.trace.graph.said import LEVEL, asil, called
 
+#: The method of analyses that argue for independence.
+_INDEPENDENCE = "dependent failures"
+
 _NAMES = {number: name for name, number in LEVEL.items()}
 
 
@@ -83,12 +86,16 @@ def _requirement(graph: Graph, node: Node) -> Iterator[Finding]:
                 message = f"`{node.id}` has ASIL {written}, below `{parent.id}`, which it refines, with {parent.attributes['asil']}"
                 help_ = "raise it, or write the decomposition, such as `B(D)`"
                 yield _at_asil(graph, "T143", message, node, parent, help_)
-        for goal in _above(graph, node, "achieves"):
-            if own < asil(goal, 0):
-                message = f"`{node.id}` has ASIL {written}, below {called(goal.key)}, which it serves, with {goal.attributes['asil']}"
-                yield _at_asil(
-                    graph, "T160", message, node, goal, "raise it, or decompose it, such as `B(D)`"
-                )
+    for goal in _above(graph, node, "achieves"):
+        if own >= asil(goal, 0):
+            continue
+        message = f"`{node.id}` has ASIL {written}, below {called(goal.key)}, which it serves, with {goal.attributes['asil']}"
+        if "(" not in written:
+            yield _at_asil(graph, "T160", message, node, goal, "raise it, or decompose it, such as `B(D)`")
+        elif not any(_serving(graph, above, goal) >= asil(goal, 0) for above in _wholes(graph, node)):
+            message += "; neither what it is a part of serves it, nor enough of the other parts"
+            help_ = f"name `{goal.id}` under `achieves` of the requirement that was decomposed"
+            yield _at_asil(graph, "T160", message, node, goal, help_)
     for element in _above(graph, node, "allocated_to"):
         level = asil(element)
         if level is not None and level < own:
@@ -96,6 +103,32 @@ def _requirement(graph: Graph, node: Node) -> Iterator[Finding]:
             yield error(
                 "T164", message, element.place, "raise it, or allocate the requirement elsewhere", element.id
             )
+
+
+def _wholes(graph: Graph, node: Node) -> list[Node]:
+    """The demanded requirements that a requirement is a part of, however far up."""
+    found: dict[Key, Node] = {}
+    todo = [node]
+    while todo:
+        for parent in _above(graph, todo.pop(), "refines"):
+            if parent.demanded and parent.key not in found:
+                found[parent.key] = parent
+                todo.append(parent)
+    return list(found.values())
+
+
+def _serving(graph: Graph, whole: Node, goal: Node, above: frozenset[Key] = frozenset()) -> int:
+    """The level at which a requirement serves a goal: its own where it says so; otherwise what those of its parts make that do."""
+    if goal in _above(graph, whole, "achieves"):
+        return asil(whole, 0)
+    above |= {whole.key}
+    parts = dict.fromkeys(link.source for link in graph.into(whole.key) if link.kind == "refines")
+    nodes = [graph.nodes[key] for key in parts if key not in above]  # circles are told by T138
+    return sum(
+        _serving(graph, part, goal, above)
+        for part in nodes
+        if part.demanded and "(" in part.attributes["asil"]
+    )
 
 
 def _at_asil(graph: Graph, code: str, message: str, node: Node, above: Node, help_: str) -> Finding:
@@ -154,17 +187,41 @@ def _adds_up(graph: Graph, parent: Node, parts: Sequence[Node]) -> Iterator[Find
         message = f"the ASIL of `{parent.id}`, {written}, is decomposed into {said}, which is too little"
         help_ = f"with QM 0, A 1, B 2, C 3 and D 4, the parts make {total}, and {written.partition('(')[0]} is {own}"
         yield _of_parts(graph, message, parent, help_)
-    if not any(link.kind == "independence" for link in graph.out_of(parent.key)):
-        message = (
-            f"the ASIL of `{parent.id}` is decomposed, and no analysis argues that the parts are independent"
-        )
-        yield error(
-            "T162",
-            message,
-            parent.place,
-            "name an analysis of dependent failures under `independence`",
-            parent.id,
-        )
+    yield from _independent(graph, parent, parts)
+
+
+def _independent(graph: Graph, parent: Node, parts: Sequence[Node]) -> Iterator[Finding]:
+    """T162: somebody argues by an analysis of dependent failures that the parts are independent, and no element fails two of them."""
+    message = f"the ASIL of `{parent.id}` is decomposed, and "
+    named = [link.target for link in graph.out_of(parent.key) if link.kind == "independence"]
+    there = [graph.nodes[key] for key in dict.fromkeys(named) if key in graph.nodes]
+    help_ = "name an analysis of dependent failures under `independence`"
+    if not named:
+        message += "no analysis argues that the parts are independent"
+        yield error("T162", message, parent.place, help_, parent.id)
+    elif there and not any(node.attributes.get("method") == _INDEPENDENCE for node in there):
+        said = ", ".join(f"`{node.id}` ({node.attributes.get('method', '')})" for node in there)
+        message += f"what it names under `independence` is no analysis of dependent failures: {said}"
+        yield error("T162", message, parent.place, help_, parent.id)
+    for number, one in enumerate(parts):
+        for other in parts[number + 1 :]:
+            yield from _apart(graph, parent, one, other)
+
+
+def _apart(graph: Graph, parent: Node, one: Node, other: Node) -> Iterator[Finding]:
+    """T162 of two parts of which one has no element that is not the other's too, and not developed to the level of the whole."""
+    first, second = (
+        {node.key: node for node in _above(graph, part, "allocated_to")} for part in (one, other)
+    )
+    common = {key: node for key, node in first.items() if key in second}
+    if not common or len(common) < min(len(first), len(second)):
+        return
+    for element in common.values():
+        level = asil(element)
+        if level is not None and level < asil(parent, 0):
+            message = f"`{one.id}` and `{other.id}`, parts of `{parent.id}` with {parent.attributes['asil']}, both stand and fall with {called(element.key)}, which is developed to {element.attributes['asil']}"
+            help_ = f"allocate them to elements that cannot fail together, or develop `{element.id}` to the level of the whole"
+            yield error("T162", message, one.place, help_, parent.id)
 
 
 __all__ = ["by_table_4", "check"]
