@@ -35,7 +35,7 @@ def test_messages(
     Path("in.txt").write_text(HEAD + ROW)
     Path("big.csv").write_text(HEAD + ROW * 9)
     Path("half.json").write_text(
-        '{"versions": {"1": {"needs": {"AB-1": {"title": "\\ud800", "content": "a", "rationale": "b", "status": "draft", "asil": "QM", "verification": ["test"], "source": "c"}}}}}'
+        '{"versions": {"1": {"needs": {"AB-1": {"title": "a \\ud800", "content": "a", "rationale": "b", "status": "draft", "asil": "QM", "verification": ["test"], "source": "c"}}}}}'
     )
     Path("two.csv").write_text("document," + HEAD + "a," + ROW + "b," + ROW.replace("AB-1", "AB-2"))
     Path("same.csv").write_text("document," + HEAD + "a," + ROW + "a/," + ROW.replace("AB-1", "AB-2"))

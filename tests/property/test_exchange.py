@@ -16,7 +16,7 @@ from trackmarshal.trace import exchange, tree
 from trackmarshal.trace.documents import REQUIREMENT, REQUIREMENTS
 from trackmarshal.trace.exchange import Document, Naming, Refused
 from trackmarshal.trace.findings import Finding
-from trackmarshal.trace.shapes import put_off
+from trackmarshal.trace.shapes import says_nothing
 from trackmarshal.trace.values import Reader, Table
 
 NOW = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
@@ -31,7 +31,7 @@ def texts(characters: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
                "a \nb", "a\r\nb", "a\rb", "a\tb", "<b>&amp;</b>", "a; b", "x\u2028y", "x\x85y", "\u202eabc", "{a}", "word " * 60, "]]>", "\\n", "a,b;c"]  # fmt: skip
     # A text of `TBA` alone says nothing, and is refused: generated ones are taken from the sources, too, where that word stands.
     return (st.text(characters, min_size=1, max_size=60) | st.sampled_from(awkward)).filter(
-        lambda text: text.strip() != "" and not put_off(text)
+        lambda text: text.strip() != "" and not says_nothing(text)
     )
 
 

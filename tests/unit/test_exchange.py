@@ -356,6 +356,7 @@ def test_lines_are_those_of_the_file_behind_a_comment() -> None:
         "id;title;statement;\r\nA-1;a;It shall open.;\r\n;;;\r\n",
         "id;title;statement;Size, in m, or none;x,y\nA-1;a;It shall open.;3;4\n",
         "\ufeff\r\nid;title;statement\r\nA-1;a;It shall open.\r\n",
+        "document;id;title;statement\n;;;\nlist;A-1;a;It shall open.\n;;;\n",
     ],
 )
 def test_a_spreadsheet_leaves_columns_and_lines_empty(text: str) -> None:
@@ -364,6 +365,23 @@ def test_a_spreadsheet_leaves_columns_and_lines_empty(text: str) -> None:
     (document,) = exchange.read(text.encode(), "csv", "file.csv", OURS, found)
     (one,) = document.requirements
     assert (found, one["id"], one["statement"]) == ([], "A-1", "It shall open.")
+
+
+def test_a_new_row_says_to_which_list_it_belongs() -> None:
+    """It was a list of its own, which has no name, and the help led from a file to a folder and back."""
+    text = "document,id,title,statement\nlist,A-1,a,It shall open.\n,A-2,b,It shall close.\n"
+    with pytest.raises(Refused, match="names no list under `document`, and others do") as refused:
+        read(text, "csv", OURS)
+    assert (refused.value.code, refused.value.line) == ("T354", 3)
+    assert "`list`" in str(refused.value.help)
+
+
+@pytest.mark.parametrize("said", ["TBD", "-", "?"])
+def test_another_tools_texts_are_kept_whatever_they_say(said: str) -> None:
+    """`TBD` in a column that has no field here kept the whole file out."""
+    (document,), found = read(f"id,title,statement,Comment\nA-1,a,It shall open.,{said}\n", "csv", OURS)
+    assert not [finding for finding in found if "T126" in finding], found
+    assert document.requirements[0]["foreign"] == {"Comment": said}
 
 
 def test_a_cell_below_no_name_is_not_passed_over() -> None:

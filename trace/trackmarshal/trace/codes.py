@@ -26,7 +26,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T123": ("an unknown word", "The field takes one of a few words."),
     "T124": ("a malformed name", "Ids, names, patterns and paths have a fixed form, so that specs can name them and files can be found. Paths are relative and stay inside the project. Units are those that specs know."),
     "T125": ("not a day", "Days are written YYYY-MM-DD."),
-    "T126": ("an empty value", "The field is there and says nothing, or no more than that it is still to be written."),
+    "T126": ("an empty value", "The field is there and says nothing: it is blank, has neither a letter nor a digit, or says no more than that it is still to be written."),
     "T127": ("an incomplete record", "The record's fields do not go together: a scenario that is to fire names the rules, one that is generated is not from the field, a waiver names either cells or findings, a range has two ends of one dimension, the lower one first."),
     "T128": ("text that YAML takes for something else", "Without quotes, `no`, `1.0`, `2026-01-31` or `~` are a Boolean, a number, a date and nothing to YAML readers. Quotes make them text for everybody."),
     "T129": ("a document given twice", "A project has one system model and one V-model; requirements may be spread over many files."),

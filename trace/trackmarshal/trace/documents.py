@@ -103,7 +103,7 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     optional("metrics", Many(NAME), "The rules that S-2-B designs for it. Rules may satisfy it without being listed."),
     optional("assumptions", Many(NAME), "The input assumptions (S-2-C) that handle it, or part of it."),
     Field("source", TEXT, "Where it is written: paper and section, regulation and clause."),
-    optional("foreign", Pairs(), "What another tool says of it and is kept for it, by the other tool's names; `import requirements` writes it."),
+    optional("foreign", Pairs(Text(verbatim=True)), "What another tool says of it and is kept for it, by the other tool's names; `import requirements` writes it."),
 ))  # fmt: skip
 
 REQUIREMENTS = Record("requirements", "A list of requirements.", (

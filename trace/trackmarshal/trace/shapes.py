@@ -24,6 +24,11 @@ ASIL = r"(QM|[ABCD])(\((QM|[ABCD])\))?"
 _PUT_OFF = frozenset({"todo", "tbd", "tba", "tbc", "fixme"})
 
 
+def says_nothing(text: str) -> bool:
+    """Whether a text has neither a letter nor a digit, such as `-`, or says no more than that it is still to be written."""
+    return put_off(text) or not any(map(str.isalnum, text))
+
+
 def put_off(text: str) -> bool:
     """Whether a text says no more than that it is still to be written, whatever marks stand around that."""
     return len(text) < 100 and "".join(filter(str.isalnum, text)).lower() in _PUT_OFF
@@ -31,10 +36,14 @@ def put_off(text: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Text that is not blank; `pattern`, if given, must match it whole, `said` says that in words."""
+    """Text that is not blank; `pattern`, if given, must match it whole, `said` says that in words.
+
+    verbatim: words that are taken as they are, whatever they say: another tool's, and those that are looked for.
+    """
 
     pattern: str = ""
     said: str = "a text"
+    verbatim: bool = False
     compiled: re.Pattern[str] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -69,6 +78,8 @@ class Flag:
 @dataclass(frozen=True, slots=True)
 class Pairs:
     """A mapping of free names to texts."""
+
+    of: Text = field(default_factory=Text)
 
 
 @dataclass(frozen=True, slots=True)

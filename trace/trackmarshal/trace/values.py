@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
-from trackmarshal.trace.shapes import Count, Date, Flag, Many, Pairs, Record, Shape, Text, Word, put_off
+from trackmarshal.trace.shapes import Count, Date, Flag, Many, Pairs, Record, Shape, Text, Word, says_nothing
 from trackmarshal.trace.tree import Listing, Mapping, Node, Refused, Scalar
 
 
@@ -110,7 +110,7 @@ class Reader:
         if isinstance(shape, Many):
             return self._many(node, shape, called)
         if isinstance(shape, Pairs):
-            return self._pairs(node, called)
+            return self._pairs(node, shape, called)
         if not isinstance(node, Scalar):
             self._wrong(node, called, _wanted(shape))
             return None
@@ -133,12 +133,13 @@ class Reader:
         values = [self._value(item, shape.of, inner) for item in node.items]
         return [value for value in values if value is not None]
 
-    def _pairs(self, node: Node, called: str) -> dict[str, Placed] | None:
+    def _pairs(self, node: Node, shape: Pairs, called: str) -> dict[str, Placed] | None:
         if not isinstance(node, Mapping):
             self._wrong(node, called, "a mapping")
             return None
         values = {
-            name: self._value(value, Text(), f"`{name}` of {called}") for name, value in node.entries.items()
+            name: self._value(value, shape.of, f"`{name}` of {called}")
+            for name, value in node.entries.items()
         }
         return {name: value for name, value in values.items() if value is not None}
 
@@ -146,7 +147,7 @@ class Reader:
         kind = resolved(node)
         if kind == "str" and node.text and not node.text.isspace():  # as nearly all of them
             said = node.text if shape.pattern else node.text.strip()
-            if not shape.pattern and put_off(said):
+            if not shape.pattern and not shape.verbatim and says_nothing(said):
                 message = f"{called} says no more than `{said}`"
                 self._found.append(error("T126", message, self.place(node), "write what it is to say"))
                 return None

@@ -77,6 +77,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
         )
     drafts: dict[str, Draft] = {}
     for line, cells in rows:
+        if not any(cell.strip() for cell in cells):
+            continue  # a row that somebody emptied: as an entry it would be a list of its own, without a name
         unnamed = any(cell.strip() for cell in cells[len(names) :])
         if len(cells) != len(head) or unnamed:
             message = (
@@ -116,6 +118,15 @@ def read(data: bytes, shown: str) -> list[Draft]:
             )
         if any(value for value in told.values()):
             draft.items.append(Item(told, line))
+    nameless = drafts.get("")
+    if nameless is not None and nameless.items and len(drafts) > 1:
+        raise Refused(
+            "T354",
+            f"the row names no list under `{OF_DOCUMENT[0]}`, and others do",
+            shown,
+            nameless.items[0].line,
+            "write there which list it belongs to, such as `" + next(filter(None, drafts)) + "`",
+        )
     return list(drafts.values())
 
 
