@@ -99,6 +99,8 @@ _OF_FILES = frozenset({"T240", "T250"})
 _NOT_RUN = frozenset({"T241", "T262"})
 #: What is said of reviews themselves.
 _OF_REVIEWS = frozenset({"T167", "T168", "T382"})
+#: Of these, what a review came to: nothing answers a method because a review fell, and not the other way round.
+_FALLEN = frozenset({"T167", "T168"})
 #: What is lacking of tests and readers is not lacking since a scenario is to show something else.
 _OF_TESTS = frozenset({"T211", "T212"})
 _OF_TESTS_AND_READERS = _OF_TESTS | {"T382"}
@@ -226,8 +228,8 @@ class _Folding:
             return False  # no error hides behind a warning
         if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
             return False
-        if other.code == "T255" and finding.code in _OF_TESTS:
-            return False  # a side of a boundary is not tested, whatever method nothing answers
+        if other.code == "T255" and finding.code in _OF_TESTS | _FALLEN:
+            return False  # a side of a boundary is not tested, and a review fell, whatever method nothing answers
         if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
             return False
         if other.code == "T382" and finding.code not in _OF_REVIEWS:

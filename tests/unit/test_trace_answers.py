@@ -1,0 +1,57 @@
+"""What people answer: a text that says nothing is no answer, and a review that fell is told for itself."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from support.planted.project import SOURCE
+from support.project import command
+from support.safety_case import edit
+
+NEEDS, PEOPLE = "requirements/requirements.yaml", "requirements/assurance.yaml"
+REVIEW = "  - {{id: RV-2, of: [{{id: {id}, fingerprint: '{print}'}}], by: [P-4], made: 2026-03-01, outcome: {outcome}}}\nworks:\n"
+
+
+@pytest.fixture
+def shuttle(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(SOURCE, tmp_path / "shuttle"))
+
+
+def findings(project: Path, *codes: str) -> list[dict[str, object]]:
+    _, out, _ = command(project, "trace", "--as-is", "--format", "json")
+    return [found for found in json.loads(out)["findings"] if found["code"] in codes]
+
+
+@pytest.mark.parametrize(
+    ("answer", "nothing"), [("-", True), ("...", True), ("?!", True), ("7", False), ("是", False)]
+)
+def test_an_answer_without_a_word_is_none(shuttle: Path, answer: str, nothing: bool) -> None:
+    """A defeater that was answered by `-` defeated nothing any more."""
+    said = f"document: argument\ntitle: t\ndefeaters:\n  - {{id: D-1, challenges: S-3, text: Nobody measured it., owner: P-2, state: answered, answer: '{answer}'}}\n"
+    (shuttle / "requirements/argument.yaml").write_text(said, "utf-8")
+    found = [f["message"] for f in findings(shuttle, "T126")]
+    assert found == [f"`answer` says no more than `{answer}`"] * nothing
+
+
+@pytest.mark.parametrize(
+    ("print_", "outcome", "code"), [("0" * 64, "accepted", "T167"), ("", "open", "T168")]
+)
+def test_a_review_that_fell_does_not_follow_from_a_method_that_nothing_answers(
+    shuttle: Path, print_: str, outcome: str, code: str
+) -> None:
+    """It is why nothing answers, and was shown with `--verbose` alone, as were those of requirements nearby."""
+    edit(
+        shuttle,
+        NEEDS,
+        "    verification: [test, fault injection]\n    metrics: [braking]\n",
+        "    verification: [review]\n    metrics: [braking]\n",
+    )
+    edit(shuttle, PEOPLE, "works:\n", REVIEW.format(id="S-2", print=print_ or "1" * 64, outcome=outcome))
+    (method,) = [f for f in findings(shuttle, "T255") if "`S-2`" in str(f["message"])]
+    fallen = [f for f in findings(shuttle, code) if "RV-2" in str(f["message"])]
+    assert [f["cause"] for f in fallen] == [None]
+    assert method["cause"] is None
