@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 from trackmarshal.trace.findings import Finding, did_you_mean, error
 from trackmarshal.trace.graph import schema
-from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.graph import Graph, Node
 from trackmarshal.trace.model import Project, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.values import Placed
@@ -54,8 +54,15 @@ def check(graph: Graph, project: Project, asking: schema.Asking, around: Outside
             help_ = "link it, name the method under `methods` of evidence that is of that kind, or have somebody answer for the gap"
             yield Finding(
                 CODE, "warning" if waiting else "error", message, word.place, help_, f"{node.id}:{word}", about=(node.id,),
-                rests_on=tuple(dict.fromkeys(map(str, waiting))),
+                rests_on=tuple(dict.fromkeys((*map(str, waiting), *_written_in(graph, node, kinds)))),
             )  # fmt: skip
+
+
+def _written_in(graph: Graph, node: Node, kinds: Container[str]) -> list[str]:
+    """The documents of what would answer a method if they were there: of the things of these kinds that a requirement is linked with."""
+    links = (*graph.out_of(node.key), *graph.into(node.key))
+    ends = [end for link in links for end in (link.source, link.target) if end[0] in kinds]
+    return [link.target[1] for end in ends for link in graph.out_of(end) if link.kind == "backed_by"]
 
 
 def _named(word: str, id_: str, project: Project, around: Outside) -> bool:
