@@ -114,3 +114,21 @@ def test_a_goal_for_what_needs_none_is_argued_for(shuttle: Path) -> None:
     assert "G-SG-2" in found
     assert "J-HZ-2" not in found
     assert "J-HZ-3" in found
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ("document: docs/independence.md", "S, finished on 2026-02-11."),
+        ("document: docs/independence.md, open: [Fog.]", "S, as it was on 2026-02-11. It leaves open: Fog."),
+        ("open: [Fog.]", "S, as it was on 2026-02-11. It leaves open: Fog."),
+        ("owner", "S, of 2026-02-11, which nobody wrote down."),
+    ],
+)
+def test_the_argument_says_how_far_the_hazards_were_analysed(shuttle: Path, more: str, said: str) -> None:
+    """Of an analysis that leaves something open, it said that it was finished."""
+    entry = f"  - {{id: AN-2, title: S, method: hazard analysis, of: [HZ-1], by: [P-2], made: 2026-02-11, {more}}}\n"
+    edit(shuttle, PEOPLE, "analyses:\n", "analyses:\n" + entry.replace(", owner}", "}"))
+    _, out, _ = command(shuttle, "gsn", "--format", "json")
+    (text,) = [element["text"] for element in json.loads(out)["elements"] if element["id"] == "J-AN-2"]
+    assert text == f"The hazards were found by the hazard analysis AN-2, {said}"
