@@ -55,3 +55,25 @@ def test_a_review_that_fell_does_not_follow_from_a_method_that_nothing_answers(
     fallen = [f for f in findings(shuttle, code) if "RV-2" in str(f["message"])]
     assert [f["cause"] for f in fallen] == [None]
     assert method["cause"] is None
+
+
+def test_a_person_is_one_whatever_nobody_sees_in_the_name(shuttle: Path) -> None:
+    """With a space of no width in it, whoever answers for a thing reviewed it as somebody else."""
+    edit(shuttle, PEOPLE, "title: Vera Verifier", 'title: "Dana\\u200b Driver"')
+    (found,) = [f["message"] for f in findings(shuttle, "T130")]
+    assert str(found).startswith("the person `P-4` has the name of the person `P-1`")
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "field"),
+    [
+        ("hazards", "tolerance: 500 ms", "tolerance: 0.0 ms", "`tolerance` is `0.0 ms`"),
+        ("assurance", "at most 1 in 100 km", "at most 1 in 0 km", "`threshold` is `at most 1 in 0 km`"),
+        ("hazards", "tolerance: 500 ms", "tolerance: 0.5 s", ""),
+        ("assurance", "at most 1 in 100 km", "at most 0 in 0.5 h", ""),
+    ],
+)
+def test_no_interval_and_no_mileage_is_none(shuttle: Path, file: str, old: str, new: str, field: str) -> None:
+    edit(shuttle, f"requirements/{file}.yaml", old, new)
+    found = [str(f["message"]) for f in findings(shuttle, "T124")]
+    assert [said.startswith(field) for said in found] == [True] * bool(field)

@@ -23,6 +23,7 @@ persons:
         ("P-1", "the maintainers", True),
         ("the maintainers", '"THE  maintainers"', True),
         ("p-1", "The Maintainers", True),
+        ("P-1", "\u200bThe Maintainers", True),
         ("P-1", "P-2", False),
         ("The Maintainers", "the safety manager", False),
     ],

@@ -29,7 +29,9 @@ LEVEL = Text(ASIL, "QM, A, B, C or D, decomposed ones as `B(D)`")
 PLAIN_LEVEL = Word(
     {"QM": "no safety goal is needed", "A": "the lowest", "B": "", "C": "", "D": "the highest"}
 )
-INTERVAL = Text(r"[0-9]+(\.[0-9]+)? (ms|s|min|h)", "a time with its unit, such as `300 ms`")
+INTERVAL = Text(
+    r"(?![0.]+ )[0-9]+(\.[0-9]+)? (ms|s|min|h)", "a time with its unit, above 0, such as `300 ms`"
+)
 _END = Text(
     r"-?[0-9]+(\.[0-9]+)?(e-?[0-9]+)?( [A-Za-z%1][A-Za-z0-9%*/^²³·-]*)?",
     "a number with its unit, such as `12 m/s`",
@@ -153,7 +155,7 @@ ASSURANCE = Record("assurance", "Who did what: persons, tools, analyses, reviews
     optional("indicators", Many(Record("indicator", "A number that shows in operation whether what is claimed still holds.", (
         Field("id", ANY_ID, "Unique, such as `SPI-1`."),
         Field("title", TEXT, "What is counted or measured."),
-        Field("threshold", Text(r"(at most|at least) [0-9].*", "such as `at most 1 in 1000 km`"), "From where on somebody has to act."),
+        Field("threshold", Text(r"(at most|at least) [0-9](?!.* in [0.]+( |$)).*", "such as `at most 1 in 1000 km`"), "From where on somebody has to act."),
         Field("data", TEXT, "Where the data comes from: which log, which signal, how often."),
         Field("claims", Many(NODE, 1), "The goals, requirements or assumptions that it is about."),
         optional("owner", TEXT, "Who looks at it; where persons are declared, one of them, by id or name."),

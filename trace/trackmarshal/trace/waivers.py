@@ -46,8 +46,9 @@ def _one(who: str, persons: dict[str, str]) -> str:
 
 
 def plain(name: str) -> str:
-    """A name or an id, whatever its capitals and spaces, and however its letters are written."""
-    return " ".join(unicodedata.normalize("NFKC", str(name)).split()).casefold()
+    """A name or an id, whatever its capitals and spaces, however its letters are written, and without what nobody sees of it."""
+    letters = (c for c in unicodedata.normalize("NFKC", str(name)) if unicodedata.category(c) != "Cf")
+    return " ".join("".join(letters).split()).casefold()
 
 
 def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
