@@ -421,3 +421,48 @@ def test_changed_mappings_are_read_or_refused(tmp_path: Path) -> None:
         except TrackmarshalError as refusal:
             assert refusal.code.startswith("D1")
             assert refusal.help
+
+
+def test_a_log_of_reversing_is_one(tmp_path: Path) -> None:
+    """Pushed back or parked: the speed is negative, and the direction of travel is where the tail points. It is no heading that is turned."""
+    columns = field_logs.straight(40.0)
+    columns["y"], columns["v"] = -columns["y"], -columns["v"]
+    where, file = field_logs.write(tmp_path, columns)
+    made = build.build(mapping.read(where), file)
+    at_20 = next(cycle for cycle in made.recording.cycles if cycle.t == pytest.approx(20.0))
+    driving, emergency = at_20.candidates["driving"], at_20.candidates["emergency"]
+    assert driving["v"] == pytest.approx(np.full(21, -15.0), abs=0.01)
+    assert np.diff(driving["s"]) == pytest.approx(np.full(20, 1.5), abs=0.02)
+    assert emergency["v"][0] == driving["v"][0]
+    assert emergency["y"][-1] < emergency["y"][0] == driving["y"][0]
+
+
+def test_a_speed_of_the_wrong_sign_is_no_reversing(tmp_path: Path) -> None:
+    error = refused(tmp_path, field_logs.text({**CLEAN, "v": -CLEAN["v"]}).encode(), declared=field_logs.MAP)
+    assert error.code == "D173"
+    assert "a speed of the other sign" in str(error.help)
+
+
+def straight_and_turned_slowly() -> dict[str, Any]:
+    """15 m/s straight on, and a bend of 10 m at 2 m/s: too slow to say anything of noise."""
+    t = np.arange(1500) / 25
+    v = np.where(t < 30.0, 15.0, np.maximum(15.0 - 3.0 * (t - 30.0), 2.0))
+    yaw = np.where(t > 40.0, v / 10.0, 0.0)
+    ds = np.concatenate([[0.0], np.diff(t) * 0.5 * (v[1:] + v[:-1])])
+    heading = np.concatenate([[0.0], np.cumsum(np.diff(t) * 0.5 * (yaw[1:] + yaw[:-1]))])
+    x, y = np.cumsum(ds * np.cos(heading)), np.cumsum(ds * np.sin(heading))
+    columns = {"time": t, "x": x, "y": y, "heading": heading, "v": v, "yaw": yaw}
+    return field_logs.noisy(columns, 7, 0.01, 0.003, 0.02, 0.002)
+
+
+def test_noise_that_does_not_explain_the_log_is_refused(tmp_path: Path) -> None:
+    """All that is fast is straight, so the bend would be ironed out: trajectories would have headings that the car never had."""
+    where, file = field_logs.write(tmp_path, straight_and_turned_slowly())
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where), file)
+    assert found.value.code == "D177"
+    assert "innovations of turning" in found.value.message
+    assert "`lateral_jerk`" in str(found.value.help)
+    where.write_text(where.read_text() + "noise: {lateral_jerk: 0.3}\n")
+    made = build.build(mapping.read(where), file)
+    assert np.angle(np.exp(1j * (made.motion.heading - made.log.heading))) == pytest.approx(0.0, abs=0.05)

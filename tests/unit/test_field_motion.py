@@ -165,6 +165,54 @@ def test_a_car_that_stands_stays_and_a_log_that_ends_has_no_braking() -> None:
     assert candidates.emergency(fast, np.array([28.0, 29.5]), 0.1, Braking(9.0, 99.0, 0.0))[1] is None
 
 
+def turned_in_three() -> Motion:
+    """Straight ahead at 4 m/s until 12 s, back around a bend of 12.5 m at 2 m/s until 20 s, and ahead again in another direction."""
+    v = np.clip(4.0 * (12.0 - T), 0.0, 4.0) - np.clip(4.0 * np.minimum(T - 12.0, 20.0 - T), 0.0, 2.0)
+    v += np.clip(4.0 * (T - 20.0), 0.0, 4.0)
+    kappa = np.where((T > 12.0) & (T < 20.0), 0.08, 0.0)
+    ds = np.diff(T) * 0.5 * (v[1:] + v[:-1])
+    s = np.concatenate([[0.0], np.cumsum(ds)])
+    psi = np.concatenate([[0.0], np.cumsum(ds * kappa[1:])])
+    half = 0.5 * (psi[1:] + psi[:-1])
+    x, y = (np.concatenate([[0.0], np.cumsum(ds * part)]) for part in (np.cos(half), np.sin(half)))
+    return Motion(T, s, x, y, psi, v, np.gradient(v, T), kappa, v == 0.0, {})
+
+
+@pytest.mark.parametrize(("t", "v"), [(5.0, 4.0), (16.0, -2.0), (22.0, 4.0), (26.0, 4.0)])
+def test_a_car_that_turns_back_is_braked_where_it_is(t: float, v: float) -> None:
+    """From the place and the speed of the cycle, v^2 / 2b metres along the heading: not on a path of before, and backwards where it drives so."""
+    motion = turned_in_three()
+    (found,) = candidates.emergency(motion, np.array([t]), 0.1, Braking(2.0, 99.0, 0.0))
+    (driven,) = candidates.driving(motion, np.array([t]), 1.0, 0.1)
+    assert found is not None
+    for name in ("x", "y", "heading", "v"):
+        assert found[name][0] == pytest.approx(driven[name][0], abs=1e-5)
+    assert found["v"][0] == pytest.approx(v)
+    assert found["v"][-1] == 0.0
+    assert found["a"][0] == pytest.approx(-math.copysign(2.0, v), abs=0.05)  # the bend takes 0.02 of it
+    assert found["s"][-1] == pytest.approx(v * v / 4.0, abs=0.02)
+    assert driven["s"] == pytest.approx(abs(v) * np.array(driven["t"]), abs=1e-5)
+    went = (found["x"][-1] - found["x"][0]) * math.cos(found["heading"][0])
+    went += (found["y"][-1] - found["y"][0]) * math.sin(found["heading"][0])
+    assert went == pytest.approx(math.copysign(v * v / 4.0, v), abs=0.03)
+
+
+def test_before_it_turns_back_it_stands() -> None:
+    """Where brakes would take longer than the car did, and in the cycles between: each has a braking, since none of them is the log's end."""
+    motion = turned_in_three()
+    times = np.arange(11.0, 22.0, 0.04)
+    found = candidates.emergency(motion, times, 0.1, Braking(2.0, 99.0, 0.0))
+    driven = candidates.driving(motion, times, 1.0, 0.1)
+    for braked, columns in zip(found, driven):
+        assert braked is not None
+        assert [braked[name][0] for name in ("x", "y")] == pytest.approx(
+            [columns[name][0] for name in ("x", "y")], abs=0.01
+        )
+        assert braked["v"][0] == pytest.approx(columns["v"][0], abs=0.17)
+        assert np.diff(braked["t"]).min() > 0.0
+        assert np.diff(braked["s"]).min() >= 0.0
+
+
 def test_what_was_driven_is_cut_out_of_the_motion() -> None:
     motion = motion_of(T, np.full_like(T, 10.0), 0.01)
     found = candidates.driving(motion, np.array([1.0, 2.0]), 1.0, 0.25)

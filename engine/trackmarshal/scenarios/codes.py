@@ -182,7 +182,9 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D177": (
         "a log that does not tell its noise",
-        "The noise of a log is taken from its own statistics while the car moves. A log that is too short for that needs all of it declared.",
+        "The noise of a log is taken from its own statistics while the car is faster than 3 m/s. A log that is too short or too slow for that needs all of it "
+        "declared. Where a smoothed motion is beside the log by far more than noise is, as where a car was slow in every bend, or a column of a slow one has "
+        "another unit, the log is refused: what would be cut out of the motion is not what was driven.",
     ),
     "D178": (
         "a file of a mapping is not here",

@@ -18,6 +18,7 @@ from trackmarshal.scenarios.field.candidates import Braking
 from trackmarshal.scenarios.field.header import given
 from trackmarshal.scenarios.field.log import MOVING, Log
 from trackmarshal.scenarios.field.mapping import Mapping
+from trackmarshal.scenarios.field.noise import MOVING as MEASURED
 from trackmarshal.scenarios.field.noise import Noise, estimate
 from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
 from trackmarshal.scenarios.field.smoother import Motion
@@ -27,6 +28,10 @@ from trackmarshal.scenarios.recording import Cycle, Recording
 Floats = NDArray[np.float64]
 #: Poses that are held against the borders.
 _LOOKED_AT = 200
+#: m/s: a logged speed backwards that is slower may be noise of a car that stands.
+_ROLLING = 0.5
+#: Mean squared innovations of a filter beyond which its motion is not that of the log: it is off by ten standard deviations in all samples.
+_UNEXPLAINED = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +66,7 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     noise = _noise(mapping, log)
     smooth = mapping.smoother and not raw
     motion = smoother.smooth(log, noise) if smooth else as_logged(log)
+    _explained(mapping, motion)
     borders = [logs.border(mapping, border) for border in mapping.track]
     rows = _cycles(mapping, log)
     _on_their_sides(log, rows, borders)
@@ -113,7 +119,9 @@ def _on_their_sides(log: Log, rows: NDArray[np.int64], borders: list[list[list[f
 def as_logged(log: Log) -> Motion:
     """The log itself as a motion, with all its noise: acceleration and curvature are what its columns change by."""
     heading = np.unwrap(log.heading)
-    s = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(log.x), np.diff(log.y)))])
+    back = np.maximum(log.v[1:], log.v[:-1]) < -_ROLLING
+    steps = np.where(back, -1.0, 1.0) * np.hypot(np.diff(log.x), np.diff(log.y))
+    s = np.concatenate([[0.0], np.cumsum(steps)])
     a = np.gradient(log.v, log.t)
     rate = log.yaw_rate if log.yaw_rate is not None else np.gradient(heading, log.t)
     slow = np.abs(log.v) < 0.1
@@ -140,9 +148,29 @@ def _noise(mapping: Mapping, log: Log) -> Noise:
     try:
         return Noise(**mapping.noise)
     except TypeError:
-        message = "the car moves for less than ten seconds: that tells nothing of its noise"
-        help_ = "is the unit of time right? Else declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
+        message = f"the car is faster than {MEASURED:g} m/s for less than ten seconds: that tells nothing of its noise"
+        help_ = "is the unit of time right, and that of the speed? Else declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
         raise TrackmarshalError("D177", message, file=mapping.source, help=help_) from None
+
+
+def _explained(mapping: Mapping, motion: Motion) -> None:
+    """Raise D177 where the log is so far beside its motion that the noise is none of it: trajectories would be of another drive."""
+    fits = {name: value for name, value in motion.innovations.items() if not value <= _UNEXPLAINED}
+    if not fits:
+        return
+    name, value = next(iter(fits.items()))
+    deviations = {
+        "along": "`jerk`, `speed` and `along`",
+        "turning": "`lateral_jerk`, `heading` and `yaw_rate`",
+        "place": "`heading`, `speed`, `along` and `across`",
+    }
+    raise TrackmarshalError(
+        "D177",
+        f"the noise does not explain the log: mean squared innovations of {name} are {value:.3g}, and about 1 where it does",
+        file=mapping.source,
+        help=f"are units and signs of its columns right? Noise is taken from where the car is faster than {MEASURED:g} m/s: "
+        f"where that is not like the rest, declare {deviations[name]} under `noise`",
+    )
 
 
 def _braking(mapping: Mapping) -> Braking:

@@ -16,6 +16,8 @@ Floats = NDArray[np.float64]
 _FINE = 0.01
 #: s: braking that takes longer than this is none.
 _LONGEST = 60.0
+#: m: a way back that is shorter is noise, or rolling back; a longer one is driven backwards.
+_BACK = 0.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,8 @@ def driving(motion: Motion, times: Floats, horizon: float, step: float) -> list[
                              ("v", motion.v), ("a", motion.a), ("kappa", motion.kappa))
     }  # fmt: skip
     rows["s"] -= rows["s"][:, :1]
+    backwards = (np.diff(rows["s"]) < 0.0).any(axis=1)  # a way grows in reverse, too
+    rows["s"][backwards, 1:] = np.abs(np.diff(rows["s"][backwards])).cumsum(axis=1)
     return [
         _columns(after, *(rows[name][i] for name in ("s", "x", "y", "heading", "kappa", "v", "a")))
         for i in range(len(times))
@@ -49,7 +53,52 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
 
     Never faster than was driven at the same place, so that it also stops where the car did. Tyres brake with
     sqrt(grip^2 - (v^2 kappa)^2), at most with `brake`, and drag brings v^2 * drag on top. None where the log ends before it stands.
+
+    Where the car turns back, one path ends and the next one begins: what was driven backwards is braked backwards, and what is driven after it is
+    not on what was driven before.
     """
+    found: list[Columns | None] = [None] * len(times)
+    for begin, end, sign in _stretches(motion.s):
+        first, last = motion.t[begin], motion.t[end]
+        turns = end < len(motion.t) - 1
+        which = np.flatnonzero((times >= first) & ((times < last) | (not turns)))
+        stretch = _part(motion, begin, end, sign)
+        if turns:  # between two samples it stands
+            stretch.v[-1] = 0.0
+        for i, columns in zip(which, _one_way(stretch, times[which], step, braking, turns)):
+            if columns is not None and sign < 0:
+                columns |= {name: [0.0 - value for value in columns[name]] for name in ("v", "a")}
+            found[i] = columns
+    return found
+
+
+def _stretches(s: Floats) -> list[tuple[int, int, int]]:
+    """First and last sample, and 1 or -1 for ahead or back: where the way leads one way, but for less than `_BACK`."""
+    found, begin, furthest, sign = [], 0, 0, 1
+    for i, value in enumerate(s.tolist()):
+        gained = sign * (value - s[furthest])
+        if gained >= 0.0:
+            furthest = i
+        elif gained < -_BACK:
+            if furthest > begin:
+                found.append((begin, furthest, sign))
+            begin, furthest, sign = furthest, i, -sign
+    return [*found, (begin, len(s) - 1, sign)]
+
+
+def _part(motion: Motion, begin: int, end: int, sign: int) -> Motion:
+    """A stretch of a motion, as if it led ahead."""
+    part = slice(begin, end + 1)
+    return Motion(
+        motion.t[part], sign * motion.s[part], motion.x[part], motion.y[part], motion.heading[part], sign * motion.v[part],
+        sign * motion.a[part], motion.kappa[part], motion.standing[part], motion.innovations,
+    )  # fmt: skip
+
+
+def _one_way(
+    motion: Motion, times: Floats, step: float, braking: Braking, turns: bool
+) -> list[Columns | None]:
+    """As `emergency`, of a motion that leads ahead. `turns`: it stands at its end."""
     count = len(times)
     way, path = _path(motion)
     s = np.interp(times, motion.t, motion.s)
@@ -91,6 +140,8 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
         kept_a.append(np.where(np.isnan(end_t), -last, final_a))
     if not kept_a:
         kept_a.append(np.zeros(count))
+    if turns:
+        end_s = np.minimum(end_s, motion.s[-1])
     all_s, all_v, all_a = np.array(kept_s), np.array(kept_v), np.array(kept_a)
     return [
         _braked(

@@ -183,7 +183,7 @@ def _fits(log: Log, shown: str) -> None:
             f"is its unit {best[1]}?" if best[0] < 0.2 else "are the units of time, place and speed right?"
         )
         raise _contradicts(f"the speed column is {ratio:.3g} times the speed of the positions", shown, help_)
-    travel = np.arctan2(dy, dx)
+    travel = np.arctan2(dy, dx) + np.pi * (said < 0.0)  # backwards, it goes where its tail points
     middle = log.heading[lag // 2 : len(travel) + lag // 2]
     off = np.angle(np.exp(1j * (travel - middle)))[moving]
     centre = float(np.angle(np.mean(np.exp(1j * off))))
@@ -192,7 +192,7 @@ def _fits(log: Log, shown: str) -> None:
         quarter = round(centre / (np.pi / 2)) % 4
         steady = spread <= 0.35 and abs(centre - np.angle(np.exp(1j * quarter * np.pi / 2))) < 0.2
         help_ = (
-            f"is it counted from another axis? Turned by {quarter * 90} deg it would fit" if steady
+            f"is it counted from another axis? Turned by {quarter * 90} deg it would fit" + (", and so would a speed of the other sign" if quarter == 2 else "") if steady
             else "is its unit deg or rad, and does it turn left or right?"
         )  # fmt: skip
         raise _contradicts(

@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 #: Differences over this time tell how fast motion changes; over a single sample, how noisy it is. s
 _LONG = 1.0
 #: Below this speed, in m/s, a curvature is not told from yaw rate and speed.
-_MOVING = 3.0
+MOVING = 3.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def estimate(log: Log) -> Noise | None:
     small. Jumps are in the mean square as they are. How fast the motion changes follows from the same over a second, less the noise.
     """
     dt = np.diff(log.t)
-    moving = (log.v[1:] > _MOVING) & (log.v[:-1] > _MOVING)
+    moving = (np.abs(log.v[1:]) > MOVING) & (np.abs(log.v[:-1]) > MOVING)
     if dt[moving].sum() < 10 * _LONG:
         return None
     heading = np.unwrap(log.heading)
@@ -70,7 +70,7 @@ def estimate(log: Log) -> Noise | None:
     lag = max(1, round(_LONG / float(np.median(dt))))
     v = np.interp(times, log.t, log.v)
     lateral = v * np.interp(times, log.t, rate)
-    fast = v > _MOVING
+    fast = np.abs(v) > MOVING
     twice = (v[2 * lag :] - 2 * v[lag:-lag] + v[: -2 * lag])[
         fast[2 * lag :] & fast[lag:-lag] & fast[: -2 * lag]
     ]
@@ -82,7 +82,7 @@ def estimate(log: Log) -> Noise | None:
     offsets = np.array([along[part].sum() / dt[part].sum() for part in whole])
     speed_all = np.hypot(speed, _offset(offsets, place[0]))
     asides = np.array([across[part].sum() / (mean_v[part] * dt[part]).sum() for part in whole])
-    heading_all = np.hypot(heading_noise, _offset(asides, place[1] / float(np.mean(mean_v[moving]))))
+    heading_all = np.hypot(heading_noise, _offset(asides, place[1] / float(np.mean(np.abs(mean_v[moving])))))
     jerk = max(float(np.mean(twice**2)) - 6.0 * speed**2, 0.0) * 1.5 / _LONG**3
     noise_of_lateral = float(np.mean(np.diff(lateral)[fast[1:] & fast[:-1]] ** 2))
     change = float(np.mean((lateral[lag:] - lateral[:-lag])[both] ** 2))

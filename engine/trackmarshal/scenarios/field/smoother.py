@@ -131,7 +131,7 @@ def _aside(apart: Floats, noise: Noise, v: Floats, ds: Floats) -> tuple[Floats, 
     Its slope over the way is what the heading and the speed are off by, and may become another one within a second.
     """
     moving = np.abs(ds) > 0.0
-    mean_v = float(np.mean(v[1:][moving])) if moving.any() else 1.0
+    mean_v = float(np.mean(np.abs(v[1:][moving]))) if moving.any() else 1.0
     slope = float(np.hypot(noise.heading, noise.speed / max(mean_v, noise.speed)))
     step, added = np.tile(np.eye(2), (len(ds), 1, 1)), np.zeros((len(ds), 2, 2))
     step[:, 0, 1] = ds
