@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ from trackmarshal.scenarios.field import mapping
 from trackmarshal.scenarios.field.build import Drive, build
 from trackmarshal.scenarios.field.causes import firings, on_road
 from trackmarshal.scenarios.field.header import header
-from trackmarshal.scenarios.field.judged import Judgement, judge
+from trackmarshal.scenarios.field.judged import CONTRACT, Judgement, judge
 from trackmarshal.scenarios.field.limits import limits, params_of
 from trackmarshal.scenarios.field.report import data, report
 
@@ -101,6 +102,28 @@ def test_the_report_is_strict_json_and_says_all(extract: tuple[Drive, Judgement]
 def drive_of(folder: Path, more: str = "", **columns: Any) -> tuple[Path, Path]:
     log = {**field_logs.straight(30.0, 10.0), **columns}
     return field_logs.write(folder, log, field_logs.MAP.replace("rate: 10}", "rate: 5}") + more)
+
+
+def test_what_breaks_the_contract_in_many_cycles_is_one_firing(extract: tuple[Drive, Judgement]) -> None:
+    """An input that the log does not have is missing in all of them: one firing, as of a rule. Another fault, or a cycle between, begins another one."""
+    drive, found = extract
+    missing, fast = "D211 ego.gear: it is not there", "D212 plan.v[{}]: {} is above 84"
+    faults = {
+        0: missing,
+        1: missing,
+        2: missing,
+        3: fast.format(4, 85),
+        4: fast.format(5, 86),
+        7: fast.format(1, 85),
+    }
+    broken = [one for one in firings(drive, replace(found, faults=faults)) if one.rule == CONTRACT]
+    t = found.times
+    assert [(one.begin, one.end, one.cycles) for one in broken] == [
+        (t[0], t[2], 3),
+        (t[3], t[4], 2),
+        (t[7], t[7], 1),
+    ]
+    assert [one.because for one in broken] == [missing, fast.format(4, 85), fast.format(1, 85)]
 
 
 def test_a_gap_of_the_map_is_shown_and_declared(tmp_path: Path) -> None:

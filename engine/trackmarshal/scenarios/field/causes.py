@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,13 +51,25 @@ def firings(drive: Drive, judged: Judgement, clean: Judgement | None = None) -> 
             for place in fired
         ]  # fmt: skip
         found += _grouped(judged, rule.name, number, causes)
-    for place, fault in judged.faults.items():
+    return sorted([*found, *_breaches(drive, judged, clean)], key=lambda one: (one.begin, one.rule))
+
+
+def _breaches(drive: Drive, judged: Judgement, clean: Judgement | None) -> list[Firing]:
+    """What breaks the input contract: of consecutive cycles with one cause and one kind of fault of one field, one, with the first one's words."""
+    found: list[Firing] = []
+    last: tuple[int, str, str, str] | None = None
+    for place, fault in sorted(judged.faults.items()):
         cause, because = _cause(
             drive, judged, CONTRACT, place, None, clean is not None and place not in clean.faults
         )
+        what = fault.partition(":")[0].partition("[")[0]  # code and field: numbers differ from cycle to cycle
         t = float(judged.times[place])
-        found.append(Firing(CONTRACT, (), t, t, 1, cause, because or fault, (place, 0, float("nan"))))
-    return sorted(found, key=lambda one: (one.begin, one.rule))
+        if last == (place - 1, cause, because, what):
+            found[-1] = replace(found[-1], end=t, cycles=found[-1].cycles + 1)
+        else:
+            found.append(Firing(CONTRACT, (), t, t, 1, cause, because or fault, (place, 0, float("nan"))))
+        last = place, cause, because, what
+    return found
 
 
 def clean_of(clean: Judgement | None, rule: int, cycles: int) -> Flags:
