@@ -18,6 +18,7 @@ from trackmarshal.ir.spec import RuleInfo, Spec  # noqa: E402
 from trackmarshal.reading.solving import claims, solve  # noqa: E402
 from trackmarshal.reading.solving.algebra import Place, Unsolvable, zeros  # noqa: E402
 from trackmarshal.reading.solving.boundaries import boundary  # noqa: E402
+from trackmarshal.reading.solving.inputs import limits  # noqa: E402
 from trackmarshal.reading.terminal import text  # noqa: E402
 from trackmarshal.reading.words.english import ENGLISH  # noqa: E402
 from trackmarshal.semantics.compile import compile_paths  # noqa: E402
@@ -218,6 +219,36 @@ def test_a_boundary_is_found_where_a_test_puts_it() -> None:
     ((low, high),) = found.holds
     assert low == 0.5
     assert high == pytest.approx(2.8, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("declared", "wanted"),
+    [
+        ("[20000, 100000]", (20000.0, 100000.0)), ("[0, 400000]", (0.0, 4e5)), ("[-1e10, 1e10]", (-1e4, 1e4)),
+        ("[0, 1e10]", (0.0, 1e4)), ("[5e6, 1e10]", (5e6, 1e10)),
+    ],
+)  # fmt: skip
+def test_a_number_is_looked_at_in_its_declared_range(declared: str, wanted: tuple[float, float]) -> None:
+    """What is heavy is beyond 10 t: its range was cut there, which left none, or nothing of what the tests were about."""
+    spec = loads(
+        f'module m\nsignal ego : state {{ m: kg in {declared} }}\nrule r "r" require ego.m >= 30000 kg\n'
+    )
+    assert limits(spec, Place("ego", "ego", 0, "m")) == wanted
+
+
+def test_a_limit_of_what_is_heavy_is_found(tmp_path: Path) -> None:
+    (tmp_path / "m.spec").write_text(
+        "module m\nsignal ego : state { m: kg in [20000, 100000] }\n"
+        'rule r "r" require sin(ego.m / 100000 kg) <= sin(0.5)\n'
+        'test r "on the limit" given ego = { m: 50000 kg } expect satisfied\n'
+    )
+    compiled = compile_paths([tmp_path / "m.spec"])
+    spec, (tests, _) = compiled.spec, prepare(compiled)
+    target = Place("ego", "ego", 0, "m")
+    found = boundary(spec.rules[0], spec, tests[0], target, limits(spec, target))
+    assert found is not None
+    ((low, high),) = found.holds
+    assert (low, high) == pytest.approx((20000.0, 50000.0), abs=1e-3)
 
 
 def test_what_a_rule_does_not_have_is_refused() -> None:

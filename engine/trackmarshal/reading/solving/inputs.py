@@ -12,6 +12,8 @@ from trackmarshal.reading.solving.algebra import Place, Unsolvable
 
 #: How far numbers go of a field that declares no range.
 FAR = 100.0
+#: A range that is wider, in SI, says no more than that there are numbers in it (a mass of 400 t is 4e5 kg; a time within 1e10 s is any); and how far numbers go then.
+_WIDEST, _DRIVEN = 1e6, 1e4
 
 
 class Inputs:
@@ -100,9 +102,12 @@ def limits(spec: Spec, place: Place) -> tuple[float, float]:
 
 
 def _bounds(lower: float | None, upper: float | None) -> tuple[float, float]:
-    """A declared range, as far as people drive."""
-    low = -FAR if lower is None else max(lower, -1e4)
-    high = FAR if upper is None else min(upper, 1e4)
+    """A declared range; of one so wide that it is no range of what is measured, as far as people drive."""
+    low = -FAR if lower is None else lower
+    high = FAR if upper is None else upper
+    if high - low > _WIDEST:
+        near = max(low, -_DRIVEN), min(high, _DRIVEN)
+        return near if near[0] < near[1] else (low, high)
     return low, high
 
 
