@@ -73,6 +73,21 @@ def test_complete_keeps_what_is_there() -> None:
     np.testing.assert_array_equal(made["heading"], plan["heading"] + 0.5)
 
 
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_what_reverses_points_against_its_travel(turn: float) -> None:
+    """Nose along +x at the origin, backwards around a circle of 20 m: what was told ahead at the same places is told with v negative, to rest."""
+    psi = np.linspace(0.0, -0.8, 9)  # heading = kappa * way, and the way is negative
+    x, y = 20.0 * np.sin(psi), turn * 20.0 * (1.0 - np.cos(psi))
+    made = tm.complete({"x": x, "y": y, "v": [-2.0] * 8 + [0.0]})
+    assert made["heading"] == pytest.approx(turn * psi, abs=1e-9)
+    assert made["kappa"] == pytest.approx(np.full(9, turn / 20.0))
+    assert made["a"][-2] > 0.0
+    assert np.diff(made["t"]).min() > 0.0
+    # a speed about 0 at the end turns nothing
+    noisy = tm.complete({"x": x, "y": y, "v": [2.0] * 8 + [-1e-3]})
+    assert np.cos(noisy["heading"][0]) == pytest.approx(-1.0)
+
+
 def test_standing_samples_point_where_the_path_does() -> None:
     assert tm.direction_along([0, 0, 1, 2, 2], [0, 0, 0, 0, 0]).tolist() == [0.0] * 5
     with pytest.raises(tm.TrackmarshalError, match="all samples are in one place"):

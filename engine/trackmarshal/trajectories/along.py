@@ -88,16 +88,29 @@ def curvature_along(x: list[float], y: list[float]) -> list[float]:
 
 
 def completed(columns: Lists) -> Lists:
-    """Columns with x, y and v, completed by s, t, heading, kappa and a where they are missing."""
+    """Columns with x, y and v, completed by s, t, heading, kappa and a where they are missing.
+
+    A car that reverses points against its direction of travel, and what is to the left of the one is to the right of the other.
+    """
     s = columns["s"] if "s" in columns else arc_length(columns["x"], columns["y"])
     made: Lists = {"t": columns["t"] if "t" in columns else time_along(s, columns["v"]), "s": s}
+    back = reverses(columns["v"])
     if "heading" not in columns:
         made["heading"] = direction_along(columns["x"], columns["y"])
+        if back:
+            made["heading"] = [wrap(angle + math.pi) for angle in made["heading"]]
     if "kappa" not in columns:
         made["kappa"] = curvature_along(columns["x"], columns["y"])
+        if back:
+            made["kappa"] = [0.0 - value for value in made["kappa"]]
     if "a" not in columns:
         made["a"] = acceleration_along(s, columns["v"])
     return {**made, **columns}
+
+
+def reverses(v: list[float]) -> bool:
+    """Whether a trajectory leads backwards: in some sample, and in none ahead."""
+    return any(speed < -REST_SPEED for speed in v) and not any(speed > REST_SPEED for speed in v)
 
 
 def wrap(angle: float) -> float:

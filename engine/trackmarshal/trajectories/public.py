@@ -68,6 +68,7 @@ def heading_from(
 
 def complete(columns: Mapping[str, Any]) -> dict[str, Array]:
     """A trajectory with x, y [m] and v [m/s], completed by s, t, heading, kappa and a where they are missing; further columns are kept.
+    Where v is negative, and nowhere positive, it points against the direction of travel.
 
     Raises D191 for columns that are none or unequally long, and D192 where x, y or v is missing.
     """
