@@ -217,6 +217,29 @@ def test_resampled_speeds_are_those_of_constant_deceleration(way: dict[str, Any]
     np.testing.assert_allclose(made["t"], (20.0 - made["v"]) / 8.0, atol=1e-6)
 
 
+@pytest.mark.parametrize("way", [{"count": 40}, {"spacing": 0.5}, {"step": 0.05}])
+def test_what_reverses_is_resampled_as_what_drives_ahead(way: dict[str, Any]) -> None:
+    """The same places at the same times, with the nose the other way: headings are half a turn apart, and speeds the negative ones."""
+    plan = arc()
+    back = {name: column for name, column in plan.items() if name in ("x", "y", "t", "s")}
+    made = tm.resample(tm.complete({**back, "v": -np.asarray(plan["v"])}), **way)
+    ahead = tm.resample(tm.complete({**back, "v": plan["v"]}), **way)
+    for name, sign in (("t", 1), ("x", 1), ("y", 1), ("v", -1), ("kappa", -1)):
+        np.testing.assert_allclose(made[name], sign * ahead[name], atol=1e-12)
+    np.testing.assert_allclose(np.cos(made["heading"] - ahead["heading"]), -1.0)
+
+
+def test_what_reverses_is_cut_at_rest_as_what_drives_ahead() -> None:
+    """2 m before its rest it is at 2 m/s, and would stand 0.2 m further: the acceleration until there is against its speed."""
+    x, v = np.array([0.0, 2.0, 2.4, 4.4]), np.array([4.5, 2.5, 2.0, 0.0])
+    ahead = tm.cut_at_rest(tm.complete({"x": x, "y": 0.0 * x, "v": v}))
+    back = tm.cut_at_rest(tm.complete({"x": -x, "y": 0.0 * x, "v": -v}))
+    assert ahead["x"][-1] < 4.4
+    assert ahead["a"].min() < -1.0
+    for name, sign in (("t", 1), ("s", 1), ("x", -1), ("v", -1), ("a", -1)):
+        np.testing.assert_allclose(back[name], sign * ahead[name], atol=1e-12)
+
+
 def test_emergency_trajectories_of_a_real_planner_end_sooner() -> None:
     """Every one of 1,000: at rest, never further or later than planned, and no last step that takes longer than two seconds."""
     raw = gzip.decompress(shared("data", "planner", "modena.tmrec.jsonl.gz").read_bytes()).decode()

@@ -74,9 +74,10 @@ def _at(columns: Lists, i: int, mark: float, timed: bool) -> dict[str, float]:
         else:
             found[name] = a + share * (b - a)
     h0, h1 = columns["heading"][i], columns["heading"][i + 1]
+    way = ds if v0 + v1 >= 0.0 else -ds  # backwards, it goes where its tail points
     for name, turn in (("x", math.cos), ("y", math.sin)):
         a, b = columns[name][i], columns[name][i + 1]
-        found[name] = _hermite(a, ds * turn(h0), b, ds * turn(h1), share)
+        found[name] = _hermite(a, way * turn(h0), b, way * turn(h1), share)
     return found
 
 

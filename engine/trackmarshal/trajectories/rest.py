@@ -99,7 +99,7 @@ def _braked(columns: Lists, at: int) -> Cut | None:
     kept = {name: [*column[: at + 1], _between(name, column, at, share)] for name, column in columns.items()}
     kept["v"][-1] = 0.0
     if "a" in kept:
-        kept["a"][-2:] = [-braking, 0.0]
+        kept["a"][-2:] = [math.copysign(braking, -columns["v"][at - 1]), 0.0]
     if "t" in kept:
         kept["t"][-1] = kept["t"][at] + v1 / braking
     return Cut(kept, count - at - 1)
