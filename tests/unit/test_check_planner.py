@@ -323,6 +323,10 @@ BROKEN: dict[str, tuple[Callable[[dict[str, Any], int], object], str]] = {
         lambda raw, n: [p.update(heading=np.random.default_rng(n).uniform(-3, 3, len(p["x"])).tolist()) for p in raw["candidates"].values()],
         "does not follow the direction of the path in any convention",
     ),
+    "backwards": (
+        lambda raw, n: [p.update(v=[-one for one in p["v"]]) for p in raw["candidates"].values()],
+        "it is driven backwards, or a speed ahead is negative; take cycles that are driven ahead",
+    ),
     "a speed of another run": (
         lambda raw, n: [p.update(v=np.random.default_rng(n).uniform(5, 50, len(p["x"])).tolist()) for p in raw["candidates"].values()],
         "they do not belong together",

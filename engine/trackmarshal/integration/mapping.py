@@ -225,6 +225,11 @@ def _speed(timelines: Timelines, left: list[str], ds: list[Array]) -> list[Colum
             f"`{found[1].column}` over `{found[0].column}` is {_times(r)} the distance (stray {r.stray:.0%}): "
             "they do not belong together, in any unit that is known here"
         )
+        if r.sure > 0.5 and r.factor < 0:
+            problem = (
+                f"`{found[1].column}` over `{found[0].column}` is {_times(r)} the distance: it is driven backwards, or a speed ahead is negative; "
+                "take cycles that are driven ahead, since a heading, too, is told from the way that is travelled"
+            )
         found[1] = Column("v", found[1].column, "m/s", said="called so", problem=problem if r.steps else "")
     return found
 
