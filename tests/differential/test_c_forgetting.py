@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from differential.test_c_over_run import _SETTINGS, OTHERS, said
+from differential.test_c_over_run import _SETTINGS, OTHERS, one_memory, said
 from property.test_forgetting import KEPT, LASTING, rule
 from support import run_pairs
 from support.length import amount, shared_out
@@ -73,6 +73,41 @@ def test_pairs_of_elements(
     for cycles in several:
         found = said(evaluators, cycles)
         assert found["c"] == found["reference"] == found["numpy"], text
+
+
+#: Elements and pairs that may be absent, of sets that have room for fewer than there are.
+SCARCE = """module m
+signal cars : set of object { v: m/s } capacity 3 forget 0.3 s
+signal people : set of object { v: m/s } capacity 2 forget 0.5 s
+rule a "" for all c in cars require once[0 s, 0 s] c.v > 1 m/s
+rule b "" for all c in cars for all p in people require once[0 s, 2 s] c.v > p.v + 1 m/s
+rule c "" for all c in cars for all d in cars require not rising(c.v > d.v)
+rule d "" for all c in cars for all p in people require count(c.v > p.v, last: 2 s) <= 4
+rule e "" for all c in cars require count(c.v > 0 m/s, last: 1 s) <= 4
+rule f "" for all c in cars require historically[0.1 s, 0.2 s] c.v > -1 m/s
+"""
+
+
+def test_absences_that_end_at_the_last_moment_or_behind_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stamps are tenths of a second, as the times of absences are; each run begins in what the one before leaves in memory."""
+    one_memory(monkeypatch)
+    spec = loads(SCARCE)
+    evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
+    for seed in (9, 31, 9):  # of sixty ones, those of which each mistake that could be planted changes one
+        dice, t, cycles = random.Random(seed), 0.0, list[dict[str, Any] | None]()
+        there: dict[str, set[str]] = {"cars": set(), "people": set()}
+        for number in range(60):
+            t = round(t + dice.choice([0.1, 0.1, 0.1, 0.1, 0.2, 0.3, 0.6]), 9)
+            signals = dict[str, Any]()
+            for name, names, most in (("cars", "abcd", 3), ("people", "abc", 2)):
+                there[name] ^= {one for one in names if dice.random() < 0.3}
+                ids = [one for one in names if one in there[name]]
+                dice.shuffle(ids)
+                ids = ids[:most]
+                signals[name] = {"id": ids, "v": [dice.choice([-1.0, 0.0, 0.5, 2.0]) for _ in ids]}
+            cycles.append(None if dice.random() < 0.05 else {"id": number, "t": t, "signals": signals})
+        found = said(evaluators, cycles)
+        assert found["c"] == found["numpy"]
 
 
 #: Of pairs of cars, of cars and people, who may be absent too, and of cars and lights, which may not.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 import random
@@ -16,7 +17,9 @@ from property.test_states import ASKED, Way, declared, guarded
 from support import run_pairs
 from support.length import AT_LENGTH, amount, at_length
 from support.run_formulas import SIGNALS, formulas, runs
-from trackmarshal.backends.c.program import CProgram
+from trackmarshal.backends.c import program
+from trackmarshal.backends.c.program import CProgram, Library
+from trackmarshal.backends.c.source import Source
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
@@ -108,6 +111,58 @@ def test_pairs_of_elements(
     for cycles in several:
         found = said(evaluators, cycles)
         assert found["c"] == found["reference"] == found["numpy"], text
+
+
+class Again(Library):
+    """In the memory that the one before leaves, as a context of a user's is with which a run is begun anew."""
+
+    before: Library | None = None
+
+    def __init__(self, source: Source, sizes: dict[str, int]) -> None:
+        super().__init__(source, sizes)
+        if Again.before is not None:
+            assert sizes == Again.before.sizes
+            ctypes.memmove(self.context, Again.before.context, self.dll.tmg_size())
+            self.status = self.dll.tmg_init(self.context)
+        Again.before = self
+
+
+def one_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each run begins in what the one before has left."""
+    monkeypatch.setattr(Again, "before", None)
+    monkeypatch.setattr(program, "Library", Again)
+
+
+#: What is kept of a run, of elements, and of what is still open.
+ANEW = """module m
+signal lights : set of object { v: m/s }
+event flag
+rule a "" require previous flag or once[0.1 s, 0.9 s] flag
+rule b "" for all o in lights require historically[0.1 s, 0.3 s] o.v > -1 m/s
+rule c "" for all o in lights require count(o.v > 0 m/s, reset: o.v > 1 m/s) <= 3
+rule d "" for all o in lights for all l in lights require not rising(o.v > l.v)
+rule e "" for all o in lights require eventually[0 s, 0.3 s] o.v > 0 m/s
+state m : { p, q } for each o in lights starts p
+  becomes q when o.v > 1 m/s
+  becomes p when o.v < 0 m/s
+rule f "" for all o in lights require m(o) is p or time_in(m(o)) < 0.3 s
+"""
+
+
+def test_nothing_is_left_of_the_run_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    one_memory(monkeypatch)
+    spec, dice = loads(ANEW), random.Random(2)
+    evaluators = {name: Evaluator(spec, backend=name) for name in ("numpy", "c")}
+    for _ in range(4):
+        t, cycles = 0.0, list[dict[str, Any] | None]()
+        for number in range(20):
+            t = round(t + dice.choice([0.1, 0.1, 0.2, 0.6]), 9)
+            there = dice.sample("abc", dice.randint(0, 3))
+            lights = {"id": there, "v": [dice.choice([-2.0, 0.0, 0.5, 2.0]) for _ in there]}
+            signals = {"lights": lights, "flag": dice.random() < 0.5}
+            cycles.append(None if dice.random() < 0.1 else {"id": number, "t": t, "signals": signals})
+        found = said(evaluators, cycles)
+        assert found["c"] == found["numpy"]
 
 
 @pytest.mark.acceptance  # short ones every day
