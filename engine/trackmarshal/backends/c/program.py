@@ -56,7 +56,7 @@ class Library:
             getattr(self.dll, name).restype = ctypes.c_int
         if source.plan.remembers:
             self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
-            self.dll.tmg_missed.argtypes = self.dll.tmg_forget.argtypes = [pointer]
+            self.dll.tmg_missed.argtypes = [pointer]
             self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
         if source.plan.lasting:
             self.dll.tmg_without.argtypes = [pointer, size, size]
