@@ -167,13 +167,14 @@ class Client:
         kind.put(message, "stamped", int(t is not None))
         kind.put(message, "number", number or 0)
         kind.put(message, "t", 0.0 if t is None else t)
+        missing = list[Found]()
         for group, value in coming.items():
             if group in self._groups:
-                self._fill(message, group, value, versions)
+                missing += self._fill(message, group, value, versions)
         for event in self._events:
             flag = signals.get(event.removeprefix("signals."))
             kind.put(message, f"{event}/event", -1 if flag is None else _truth(event, flag))
-        self._found(message, found)
+        self._found(message, [*found, *(one for one in missing if one not in found)])
         return self._post(kind, "cycle", message)
 
     def tick(self) -> int:
@@ -232,8 +233,11 @@ class Client:
                 f"the program reads no `{group}`{_nearest(group, [*self._groups, *self._events])}"
             )
 
-    def _fill(self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]) -> None:
-        """Put a signal or candidate into a message."""
+    def _fill(
+        self, message: bytearray, group: str, value: Any, versions: Mapping[str, int]
+    ) -> Sequence[Found]:
+        """Put a signal or candidate into a message; the faults that the Supervisor cannot see in it: to C, no column of no elements is
+        one of an empty set."""
         known, kind = self._groups[group], self._cycle
         kind.put(message, f"{group}/present", 1)
         if known.closed:
@@ -242,13 +246,13 @@ class Client:
         if known.lines:
             for name in known.lines:
                 kind.put(message, name, versions[name])
-            return
+            return ()
         if isinstance(value, Block):
             count = value.write(message, known.columns)
             kind.put(message, f"{group}/count", count)
             self._name(message, group, value.ids, count)
-            return
-        absent, count = 0, 1 if known.record else 0
+            return ()
+        absent, count, missing = 0, 1 if known.record else 0, list[str]()
         for place, (field, entry) in enumerate(known.columns):
             column = value.get(field, _LEFT_OUT)
             if column is _LEFT_OUT and entry.default is not None:
@@ -256,6 +260,7 @@ class Client:
                 column = default if known.record else [default] * known.length(value)
             if column is None or column is _LEFT_OUT:
                 absent |= 1 << place
+                missing.append(field)
                 if known.record:
                     kind.set(message, entry, -1 if entry.type == "i8" else float("nan"))
                 continue
@@ -269,6 +274,8 @@ class Client:
             kind.put(message, f"{group}/absent", absent)
             ids = value.get("id")
             self._name(message, group, () if ids is None else ids, count)
+        signal = group.removeprefix("signals.")
+        return [("missing", signal, field, None) for field in missing] if count == 0 else ()
 
     def _name(self, message: bytearray, group: str, ids: Sequence[int], count: int) -> None:
         """Put in by what elements are known again, where rules ask for it; the Supervisor refuses a set in which not each has an id."""
