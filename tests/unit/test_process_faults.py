@@ -737,6 +737,67 @@ def test_a_fault_that_nobody_knows(rig: Rig) -> None:
         rig.client.send(3, 0.3, None, None, {}, [("not_finit", "ego", "v", None)])
 
 
+class Kept:
+    """A channel that keeps what is sent, by mailbox; `full`: one over which nothing goes."""
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[str, bytes]] = []
+        self.full = ""
+
+    def send(self, box: str, message: bytearray) -> bool:
+        self.sent.append((box, bytes(message)))
+        return box != self.full
+
+    def receive(self, seconds: float) -> bytes | None:
+        return None
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_cycle_names_the_borders_that_were_sent() -> None:
+    """One that did not go out is none to its cycle, and goes out with the next one, under a number of its own; without a cycle, none does."""
+    channel, layout = Kept(), built().layout
+    client, kind = Client(layout, channel, lambda: 0.0), layout.kinds["cycle"]
+    left, right, other = (Border([(0.0, y), (100.0, y)]) for y in (6.0, -6.0, 7.0))
+
+    def boxes(left: Border, right: Border, full: str = "", came: bool = True) -> tuple[list[str], list[int]]:
+        channel.sent, channel.full = [], full
+        client.send(0, 0.0, None, None, {"track": {"left": left, "right": right}}, came=came)
+        data = channel.sent[-1][1]
+        names = ("signals.track/present", "signals.track.left", "signals.track.right")
+        return [box for box, _ in channel.sent], [kind.get(data, name) for name in names]
+
+    assert boxes(left, right, came=False) == (["cycle"], [0, 0, 0])
+    assert boxes(left, right) == (["line_0", "line_1", "cycle"], [1, 1, 1])
+    assert boxes(left, right) == (["cycle"], [1, 1, 1])
+    assert boxes(other, right) == (["line_0", "cycle"], [1, 2, 1])
+    assert boxes(other, left, full="line_1") == (["line_1", "cycle"], [1, 2, 0])
+    assert boxes(other, left) == (["line_1", "cycle"], [1, 2, 3])
+
+
+def test_faults_that_were_found_are_told_as_they_are() -> None:
+    """Those for which there is room; what has no name there has the one behind all, and what is nowhere is at no place."""
+    channel, layout = Kept(), built().layout
+    client, kind = Client(layout, channel, lambda: 0.0), layout.kinds["cycle"]
+    most = kind.entries["found_name"].room
+    given = [
+        ("not_finite", "ego", "v", None),
+        ("missing", "nobody", "nothing", 0),
+        *[("missing", "ego", "x", 7)] * most,
+    ]
+    client.send(None, None, None, None, {}, given)
+    ((_, data),) = channel.sent
+    assert kind.get(data, "found_count") == most
+    for name, expected in (
+        ("name", [layout.faults.index(one[0]) for one in given]),
+        ("signal", [layout.signals.index("ego"), len(layout.signals), layout.signals.index("ego")]),
+        ("field", [layout.fields.index("v"), len(layout.fields), layout.fields.index("x")]),
+        ("index", [-1, 0, 7]),
+    ):
+        assert list(kind.get(data, f"found_{name}"))[:3] == expected[:3], name
+
+
 @pytest.mark.parametrize("closed", ["false", math.nan, 2, [True]])
 def test_a_flag_that_is_none(closed: Any, rig: Rig) -> None:
     left = Border([(0.0, 6.0), (100.0, 6.0)])
