@@ -17,10 +17,10 @@ from trackmarshal.runtime.faults import name_of
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 SPEC = """module m
 signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
-signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s, lit: bool }
 signal objects : set of object { x: m, v: m/s } capacity 4
 event yellow "a yellow flag is shown"
-rule calm "" require not yellow or ego.v < 30 m/s
+rule calm "" require not yellow or ego.lit or ego.v < 30 m/s
 rule room ""
   for all o in objects
   require once[0 s, 1 s] (o.x - ego.x > 0 m or o.v >= 0 m/s)
@@ -33,12 +33,12 @@ COLUMN = {
     "v": [10.0, 10.0, 0.0],
 }
 GIVEN: dict[str, Any] = {
-    "driving": COLUMN, "emergency": COLUMN, "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0},
+    "driving": COLUMN, "emergency": COLUMN, "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0, "lit": False},
     "objects": {"id": [7, 8], "x": [50.0, 60.0], "v": [1.0, 2.0]}, "yellow": False,
 }  # fmt: skip
 LEFT_OUT = [
     "", "driving", "emergency", "driving.v", "emergency.t", "ego", "ego.v", "objects", "objects.x", "objects.v", "objects.id", "objects.x v",
-    "objects.x v id", "driving.t x y heading v", "yellow",
+    "objects.x v id", "driving.t x y heading v", "driving.x y", "ego.lit", "yellow",
 ]  # fmt: skip
 
 
@@ -70,7 +70,11 @@ def test_what_is_left_out_is_missing(left_out: str, served: Served) -> None:
         for i in reasons if said["reason_kind"][i] == 0
     ]  # fmt: skip
     wanted = [(name_of(fault), fault.signal, fault.field) for fault in expected.faults]
-    if left_out in ("ego.v", "yellow"):  # of what is one value, a message does not say whether it was given
+    if left_out in (
+        "ego.v",
+        "ego.lit",
+        "yellow",
+    ):  # of what is one value, a message does not say whether it was given
         wanted = [("not_finite", signal, field) for _, signal, field in wanted]
     assert found == wanted
     assert bool(said["safe"]) == expected.safe == (left_out == "")
