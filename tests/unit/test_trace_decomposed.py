@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -68,6 +70,34 @@ def test_parts_of_parts_count_for_what_they_make_together(shuttle: Path) -> None
     assert findings(shuttle, "T160") == []
     (shuttle / NEEDS).write_text(text.replace(part, part + one), "utf-8")
     assert [said.split()[1] for said in findings(shuttle, "T160")] == ["`S-31`", "`S-33`"]
+
+
+def further(project: Path, below: Callable[[str], list[str]]) -> None:
+    """Further requirements, made of the part S-32."""
+    text = (project / NEEDS).read_text("utf-8")
+    part = text[text.index("  - id: S-32\n") : text.index("  - id: S-4\n")]
+    made = below(part.replace("    metrics: [keeps_clear]\n", ""))
+    (project / NEEDS).write_text(text.replace(part, part + "".join(made)), "utf-8")
+
+
+def test_a_part_of_two_parts_counts_once(shuttle: Path) -> None:
+    serving(shuttle)
+    both = "refines: [S-31, S-32]\n    achieves: [SG-1]\n"
+    further(shuttle, lambda part: [part.replace("S-32", "S-33").replace("refines: [S-3]\n", both)])
+    assert [said.split()[1] for said in findings(shuttle, "T160")] == ["`S-33`"]
+
+
+@pytest.mark.acceptance
+def test_parts_of_parts_may_go_deeper_than_the_stack(shuttle: Path) -> None:
+    serving(shuttle)
+
+    def chain(part: str) -> list[str]:
+        ids = ["S-32", *(f"S-{number}" for number in range(1000, 2200))]
+        made = [part.replace("S-32", id_).replace("[S-3]", f"[{above}]") for above, id_ in pairwise(ids)]
+        return [*made[:-1], made[-1].replace("    refines", "    achieves: [SG-1]\n    refines")]
+
+    further(shuttle, chain)
+    assert [said.split()[1] for said in findings(shuttle, "T160")] == ["`S-2199`"]
 
 
 def test_independence_is_argued_by_an_analysis_of_dependent_failures(shuttle: Path) -> None:

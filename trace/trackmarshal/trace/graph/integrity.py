@@ -92,7 +92,7 @@ def _requirement(graph: Graph, node: Node) -> Iterator[Finding]:
         message = f"`{node.id}` has ASIL {written}, below {called(goal.key)}, which it serves, with {goal.attributes['asil']}"
         if "(" not in written:
             yield _at_asil(graph, "T160", message, node, goal, "raise it, or decompose it, such as `B(D)`")
-        elif not any(_serving(graph, above, goal) >= asil(goal, 0) for above in _wholes(graph, node)):
+        elif not any(_serves(graph, whole, goal) for whole in _wholes(graph, node)):
             message += "; neither what it is a part of serves it, nor enough of the other parts"
             help_ = f"name `{goal.id}` under `achieves` of the requirement that was decomposed"
             yield _at_asil(graph, "T160", message, node, goal, help_)
@@ -117,18 +117,24 @@ def _wholes(graph: Graph, node: Node) -> list[Node]:
     return list(found.values())
 
 
-def _serving(graph: Graph, whole: Node, goal: Node, above: frozenset[Key] = frozenset()) -> int:
-    """The level at which a requirement serves a goal: its own where it says so; otherwise what those of its parts make that do."""
+def _serves(graph: Graph, whole: Node, goal: Node) -> bool:
+    """Whether a requirement serves a goal at its level: it says so, or those of its parts that do make that together, each counted once."""
     if goal in _above(graph, whole, "achieves"):
-        return asil(whole, 0)
-    above |= {whole.key}
-    parts = dict.fromkeys(link.source for link in graph.into(whole.key) if link.kind == "refines")
-    nodes = [graph.nodes[key] for key in parts if key not in above]  # circles are told by T138
-    return sum(
-        _serving(graph, part, goal, above)
-        for part in nodes
-        if part.demanded and "(" in part.attributes["asil"]
-    )
+        return asil(whole, 0) >= asil(goal, 0)
+    if "(" in whole.attributes["asil"] and any(up.demanded for up in _above(graph, whole, "refines")):
+        return False  # what it is a part of has all of its parts, and others
+    level, seen, todo = 0, {whole.key}, [whole.key]
+    while todo:
+        for key in [link.source for link in graph.into(todo.pop()) if link.kind == "refines"]:
+            part = graph.nodes[key]
+            if key in seen or not part.demanded or "(" not in part.attributes["asil"]:
+                continue
+            seen.add(key)
+            if goal in _above(graph, part, "achieves"):
+                level += asil(part, 0)
+            else:
+                todo.append(key)
+    return level >= asil(goal, 0)
 
 
 def _at_asil(graph: Graph, code: str, message: str, node: Node, above: Node, help_: str) -> Finding:
