@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -180,6 +181,13 @@ def test_changes_of_time_and_judge() -> None:
         ("{column: driving.v, set: 85}", "{column: driving.v, set: [85]}", "a list stands where a number"),
         ("{column: driving.v, set: 85}", "{column: driving.v, set: {to: 85}}", "stands where a number"),
         ("{column: driving.v, set: 85}", "{column: driving.v, samples: [3, 1], set: 85}", "no range"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, remove: false}", "`false` changes nothing"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, reverse: false}", "`false` changes nothing"),
+        ("{column: driving.v, set: 85}", "{signal: objects, remove: false}", "`false` changes nothing"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving, remove: false}", "`false` changes nothing"),
+        ("{column: driving.v, set: 85}", "{column: driving.v, samples: [1, 2], remove: true}", "the whole column"),
+        ("{column: driving.v, set: 85}", "{column: objects.v, samples: [0, 0], set: 85}", "for trajectories"),
+        ("{column: driving.v, set: 85}", "{column: obstacles.x, keep: 1}", "for trajectories"),
         ("{column: driving.v, set: 85}", "{trajectory: driving}", "one operation"),
         ("{column: driving.v, set: 85}", "{trajectory: sideways, left: 1}", "not known"),
         ("{column: driving.v, set: 85}", "{signal: objects, left: 1}", "is the car's"),
@@ -247,6 +255,27 @@ def test_every_difference_is_said(
     if field == "lost":
         other = replace(other, lost_at=2.2)
     assert part in bench.run(campaign, replace(fault, expected=other)).wrong
+
+
+@pytest.mark.parametrize(("field", "t"), [("first", 1.95), ("last", 2.25)])
+def test_what_is_expected_at_a_time_of_no_cycle_was_not_found(
+    campaign: Campaign, bench: Bench, field: str, t: Any
+) -> None:
+    fault = friction(campaign)
+    assert fault.expected is not None
+    found = bench.run(campaign, replace(fault, expected=replace(fault.expected, **{field: t})))
+    assert f"nothing was decided at {t:g} s; expected unsafe from" in found.wrong
+
+
+def test_what_is_expected_after_the_end_was_not_found(campaign: Campaign, bench: Bench) -> None:
+    """Of a recording that ends at 2.2 s, no cycle shows that the car is unsafe until 99 s."""
+    fault = replace(friction(campaign), end=99.0)
+    short = copy.copy(bench)
+    short._cycles = [cycle for cycle in bench._cycles if cycle.t < 2.25]
+    assert short.run(campaign, fault).wrong == ""
+    assert fault.expected is not None
+    found = short.run(campaign, replace(fault, expected=replace(fault.expected, last=99.0)))
+    assert found.wrong == "nothing was decided at 99 s; expected unsafe from 2 to 99 s"
 
 
 def test_what_is_not_found_and_what_was_not_expected_is_said(campaign: Campaign, bench: Bench) -> None:

@@ -221,7 +221,7 @@ def _differences(
 
 
 def _stretch(expected: Expected, said: list[tuple[float, Decision]]) -> list[str]:
-    """Exactly the cycles from first to last have to be unsafe, and in all others the planned trajectory is driven."""
+    """Exactly the cycles from first to last, both of which there are, have to be unsafe; in all others the planned trajectory is driven."""
     wrong = []
     for t, decision in said:
         inside = expected.first - _SLACK <= t <= expected.last + _SLACK
@@ -229,6 +229,10 @@ def _stretch(expected: Expected, said: list[tuple[float, Decision]]) -> list[str
             wrong.append(f"{'safe' if decision.safe else 'unsafe'} at {t:g} s")
     if len(wrong) > 3:
         wrong[3:] = [f"and {len(wrong) - 3} more cycles"]
+    # Of a time at which nothing was decided, as after the end of the recording, nothing is known.
+    for end in dict.fromkeys((expected.first, expected.last)):
+        if not any(_equal(t, end) for t, _ in said):
+            wrong.append(f"nothing was decided at {end:g} s")
     return (
         [f"{', '.join(wrong)}; expected unsafe from {expected.first:g} to {expected.last:g} s"]
         if wrong

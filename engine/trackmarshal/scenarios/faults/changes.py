@@ -33,11 +33,26 @@ def _number(item: Item) -> float:
     return item.number()
 
 
+def _said(item: Item) -> None:
+    """The `true` of an operation that needs no value; raises D151 for `false`, which would be no operation."""
+    if not item.flag():
+        raise item.wrong("`false` changes nothing", "true, or another operation")
+
+
 def _column(item: Item) -> Change:
-    """`column: driving.a`: its values, or those of some samples, are set, added to, scaled; or it is cut or removed."""
+    """`column: driving.a`: its values, or those of some samples, are set or added to; or it is cut, turned round or removed."""
     fields = item.fields(("column",), ("samples", "set", "add", "keep", "remove", "reverse"))
     of, name = _dotted(fields["column"], (*CANDIDATES, "objects", "obstacles"))
     edit = _edit(item, fields)
+    for each in ("samples", "keep", "reverse"):
+        if each in fields and of not in CANDIDATES:
+            raise fields[each].wrong(
+                f"`{each}` is for trajectories", f"`{of}` are changed all alike: leave it out"
+            )
+    if "samples" in fields and edit is None:
+        raise fields["samples"].wrong(
+            "`remove` takes the whole column", "`set: nan` makes some samples unusable"
+        )
     first, last = (0, 10**9) if "samples" not in fields else _range(fields["samples"])
 
     def apply(moment: Moment) -> None:
@@ -74,10 +89,10 @@ def _edit(item: Item, fields: dict[str, Item]) -> Callable[[list[float]], list[f
             count = fields["keep"].count(0, 100_000)
             return lambda values: values[:count]
         case "reverse":
-            fields["reverse"].flag()
+            _said(fields["reverse"])
             return lambda values: values[::-1]
         case "remove":
-            fields["remove"].flag()
+            _said(fields["remove"])
             return None
         case other:
             raise AssertionError(other)
@@ -106,7 +121,7 @@ def _trajectory(item: Item) -> Change:
     if len(given) != 1:
         raise item.wrong("one operation is expected", "left, drift, keep, refine or remove")
     if given[0] == "remove":
-        fields["remove"].flag()
+        _said(fields["remove"])
 
         def removed(moment: Moment) -> None:
             del moment.candidates[which]
@@ -169,7 +184,7 @@ def _signal(item: Item) -> Change:
 
         return aside
     fields = item.fields(("signal", "remove"))
-    fields["remove"].flag()
+    _said(fields["remove"])
 
     def removed(moment: Moment) -> None:
         del moment.signals[name]
