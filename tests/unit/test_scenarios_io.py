@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -332,3 +333,16 @@ def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(TrackmarshalError) as caught:
         scenarios.load(tmp_path / "x.jsonl")
     assert caught.value.code == "D124"
+
+
+def test_what_a_recording_uses_is_named_from_where_it_is_written(tmp_path: Path) -> None:
+    (tmp_path / "specs" / "scenarios").mkdir(parents=True)
+    (tmp_path / "specs" / "event.spec").write_text("module event\n", encoding="utf-8")
+    absolute = str(tmp_path / "specs" / "event.spec")
+    use = ("../event.spec", "specs/event.spec", absolute, "../\0.spec")
+    recording = replace(sample(), use=use)
+    declared = tmp_path / "specs" / "scenarios" / "a.yaml"
+    assert recording_io.moved(recording, declared, declared.with_name("a.jsonl")) == recording
+    there = recording_io.moved(recording, declared, tmp_path / "out" / "a.jsonl")
+    assert there.use == ("../specs/event.spec", *use[1:])
+    assert replace(there, use=use) == recording

@@ -58,6 +58,23 @@ def test_a_recording_does_not_take_the_place_of_its_declaration(project: Path) -
     assert path.read_bytes() == before
 
 
+def test_a_recording_in_another_folder_uses_the_same_specs(project: Path) -> None:
+    """Where the path that is declared leads to another spec, whose limit nobody breaks, too."""
+    declared = project / "specs" / "scenarios" / "too_fast.yaml"
+    declared.write_text(declared.read_text("utf-8") + "use: [../event.spec]\n", "utf-8")
+    (project / "specs" / "event.spec").write_text("module event\nparam v_event : m/s = 28 m/s\n", "utf-8")
+    (project / "out" / "deep").mkdir(parents=True)
+    (project / "out" / "event.spec").write_text("module event\nparam v_event : m/s = 99 m/s\n", "utf-8")
+    for out, name in (
+        ("specs/scenarios/r.tmrec.jsonl", "../event.spec"),
+        ("out/deep/r.tmrec.jsonl", "../../specs/event.spec"),
+        ("r.tmrec.jsonl", "specs/event.spec"),
+    ):
+        assert run_command("scenario", "specs/scenarios/too_fast.yaml", "--out", out)[0] == 0
+        header = json.loads((project / out).read_text("utf-8").partition("\n")[0])
+        assert header["use"] == [name]
+
+
 def test_a_file_behind_a_link_that_leads_out_is_not_said_to_be_missing(project: Path) -> None:
     path = project / "specs" / "scenarios" / "too_fast.yaml"
     path.rename(project.parent / "elsewhere.yaml")

@@ -546,7 +546,7 @@ def test_a_spec_that_declares_the_signals_otherwise(text: str, tmp_path: Path) -
     oracle.rules = spec.rules
     with pytest.raises(TrackmarshalError) as caught:
         Supervisor(spec, oracle, clock=Clock())
-    assert caught.value.code == "E482"
+    assert (caught.value.code, caught.value.file, caught.value.line) == ("E482", str(path), 2)
     assert (
         "driving" not in text
         or caught.value.message == "`driving` is declared as a set of object, not as a trajectory"

@@ -39,7 +39,7 @@ CODES = {
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.scenarios.field import mapping as mappings
     from trackmarshal.scenarios.field.build import build
-    from trackmarshal.scenarios.recording_io import write
+    from trackmarshal.scenarios.recording_io import moved, write
 
     _may_keep(args)
     mapping = mappings.read(Path(args.map))
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
         mapping = replace(mapping, end=args.end)
     drive = build(mapping, Path(args.file) if args.file else None)
     if args.out:
-        write(drive.recording, args.out)
+        write(moved(drive.recording, Path(args.map), Path(args.out)), args.out)
         if not args.quiet:
             say(f"{args.out}: {len(drive.recording.cycles)} cycles", file=sys.stderr)
     return 0 if args.no_report else _report(args, drive)

@@ -19,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.scenarios.generate import generate
-    from trackmarshal.scenarios.recording_io import write
+    from trackmarshal.scenarios.recording_io import moved, write
 
     declaration = Path(args.declaration)
     target = Path(args.out) if args.out else declaration.with_suffix(".tmrec.jsonl")
@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "D120", "the declaration itself is no place for its recording", file=str(target), help="another FILE, such as one that ends in .tmrec.jsonl"
         )  # fmt: skip
-    write(recording, target)
+    write(moved(recording, declaration, target), target)
     if not args.quiet:
         say(f"{target}: {len(recording.cycles)} cycles")
     return 0

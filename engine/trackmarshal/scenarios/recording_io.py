@@ -10,7 +10,9 @@ from __future__ import annotations
 import gzip
 import json
 import math
+import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +44,24 @@ def write(recording: Recording, path: str | Path) -> None:
     except OSError as error:
         message = f"cannot be written: {error.strerror}"
         raise TrackmarshalError("D120", message, file=str(path), help="check the path") from error
+
+
+def moved(recording: Recording, declared: Path, path: Path) -> Recording:
+    """The recording of a declaration as it is written to a path: what it uses from the declaration's folder is the same from there.
+
+    A name would else lead nowhere, or to another spec. Names that lead nowhere from the declaration's folder are those of the project, and stay.
+    """
+    near, target = (os.path.realpath(each.parent) for each in (declared, path))
+    if near == target:
+        return recording
+
+    def named(name: str) -> str:
+        if os.path.isabs(name) or "\0" in name:
+            return name  # which is refused, wherever it stands
+        there = os.path.realpath(os.path.join(near, name))
+        return Path(os.path.relpath(there, target)).as_posix() if os.path.isfile(there) else name
+
+    return replace(recording, use=tuple(map(named, recording.use)))
 
 
 def encode(recording: Recording) -> Iterator[str]:

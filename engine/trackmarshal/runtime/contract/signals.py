@@ -140,7 +140,7 @@ def supervised(spec: Spec) -> Spec:
     for name, unit in _EGO_OPTIONAL.items():
         field = ego.field(name)
         if field is not None and (field.kind != "number" or field.unit != unit):
-            raise _unfit(f"`ego.{name}` is declared in {field.unit or field.kind}, not in {unit}")
+            raise _unfit(f"`ego.{name}` is declared in {field.unit or field.kind}, not in {unit}", field.span)
     if FOLLOWED in spec.signals:
         _fits(_part(spec, FOLLOWED, "trajectory", {}), plan)
     signals = spec.signals | {PLAN: plan, EGO: ego}
@@ -193,12 +193,14 @@ def _part(spec: Spec, name: str, kind: str, needed: dict[str, str]) -> SignalTyp
         signal = SignalType(name, kind, False, (), nowhere)
     if signal.kind != kind or signal.many:
         found = f"set of {signal.kind}" if signal.many else signal.kind
-        raise _unfit(f"`{name}` is declared as a {found}, not as a {kind}")
+        raise _unfit(f"`{name}` is declared as a {found}, not as a {kind}", signal.span)
     fields = {field.name: field for field in signal.fields_}
     for field, unit in needed.items():
         info = fields.get(field, FieldType(field, "number", unit, False, None, None, None, nowhere))
         if info.kind != "number" or info.unit != unit:
-            raise _unfit(f"`{name}.{field}` is declared in {info.unit or info.kind}, not in {unit}")
+            raise _unfit(
+                f"`{name}.{field}` is declared in {info.unit or info.kind}, not in {unit}", info.span
+            )
         if field == "t" and not info.increasing:
             info = FieldType(field, info.kind, unit, True, info.lower, info.upper, info.default, info.span)
         fields[field] = info
@@ -214,12 +216,15 @@ def _fits(followed: SignalType, plan: SignalType) -> None:
             field.unit,
             field.enumeration,
         ):
-            raise _unfit(f"`{FOLLOWED}.{field.name}` is not declared as `{PLAN}.{field.name}` is")
+            raise _unfit(f"`{FOLLOWED}.{field.name}` is not declared as `{PLAN}.{field.name}` is", field.span)
 
 
-def _unfit(message: str) -> TrackmarshalError:
+def _unfit(message: str, span: Span) -> TrackmarshalError:
+    """E482 at the place of what does not fit."""
     return TrackmarshalError(
         "E482",
         message,
+        file=str(span.file.path),
+        line=span.line,
         help="the Supervisor reads plan.t in s, x and y in m, heading in rad, v in m/s, and ego",
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io
@@ -15,7 +16,8 @@ def main(arguments: list[str]) -> int:
         print(__doc__, file=sys.stderr)
         return 2
     try:
-        recording_io.write(generate(arguments[0]), arguments[1])
+        declaration, target = map(Path, arguments)
+        recording_io.write(recording_io.moved(generate(declaration), declaration, target), target)
     except TrackmarshalError as error:
         print(error, file=sys.stderr)
         return 2
