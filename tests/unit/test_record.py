@@ -380,6 +380,56 @@ def test_foxglove_reads_an_export(tmp_path: Path) -> None:
     assert len(by_name["driven"]["lines"][0]["points"]) == 30
 
 
+@pytest.mark.parametrize(
+    ("fields", "boxes"),
+    [
+        (
+            "x: m, y: m, heading: deg, length: m, width: m, braking: bool",
+            1,
+        ),  # its cycles are kept as they came
+        ("x: m, y: m, heading: rad, length: m, width: m", 1),
+        ("x: m, y: m", 0),  # of no known size
+    ],
+)
+def test_foxglove_reads_an_export_of_what_specs_of_others_declare(
+    tmp_path: Path, fields: str, boxes: int
+) -> None:
+    from mcap.reader import make_reader
+
+    from trackmarshal.scenarios import foxglove
+
+    spec = tm.loads(
+        "module own\nsignal track : corridor\nsignal plan : trajectory { t: s increasing, x: m, y: m }\n"
+        f"signal objects : set of object {{ {fields} }}\n"
+        "rule apart\n  for all o in objects\n  require o.x >= 0 m\n"
+        "rule inside\n  for all p in plan\n  require offset(p, track) <= 9 m\n"
+    )
+    path, clock = tmp_path / "run.arrows", Clock()
+    supervisor = tm.supervisor(spec, backend="reference", record=path, clock=clock)
+    other = {"id": "a", "x": 900.0, "y": 0.0, "heading": 90.0, "length": 4.0, "width": 2.0, "braking": True}
+    known = {name: value for name, value in other.items() if name == "id" or f"{name}: " in fields}
+    borders = {"left": tm.line([(0, 5), (99, 5)]), "right": tm.line([(0, -5), (99, -5)])}
+    plan = {"t": [0.0, 0.2], "x": [1.0, 3.0], "y": [0.0] * 2, "heading": [0.0] * 2, "v": [10.0] * 2}
+    still = {"t": [0.0, 0.2], "x": [1.0, 2.0], "y": [0.0] * 2, "heading": [0.0] * 2, "v": [10.0, 0.0]}
+    ego = {"x": 1.0, "y": 0.0, "heading": 0.0}
+    decision = supervisor.step(Cycle(0, 0.0, plan, still, {"ego": ego, "objects": [known], "track": borders}))
+    assert not decision.faults
+    foxglove.write(read(path.read_bytes(), "run"), [decision], tmp_path / "run.mcap")
+    with (tmp_path / "run.mcap").open("rb") as file:
+        messages = {
+            channel.topic: json.loads(message.data)
+            for _, channel, message in make_reader(file).iter_messages()
+        }
+    by_name = {entity["id"]: entity for entity in messages["/scene"]["entities"]}
+    assert len(by_name["track"]["lines"]) == 2
+    assert len(by_name["objects"]["cubes"]) == boxes
+    if "deg" in fields:
+        turn = by_name["objects"]["cubes"][0]["pose"]["orientation"]
+        assert turn["z"] == pytest.approx(math.sin(math.pi / 4))
+        assert messages["/cycle"]["objects"] == [known]
+        assert messages["/cycle"]["track"]["left"] == borders["left"].points.tolist()
+
+
 def test_without_the_package_an_export_says_what_to_install(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,7 +1,7 @@
 """A run's record as an MCAP file, so that Foxglove shows it: decisions and cycles as JSON, and the scene in its own terms.
 
-Topics: `/decision` and `/cycle` (everything that the record has, by column), `/scene` (foxglove.SceneUpdate: borders, both candidates, what is driven,
-the car and the objects). Needs the package `mcap`, which is imported when this is called.
+Topics: `/decision` and `/cycle` (everything that the record has, as it has it), `/scene` (foxglove.SceneUpdate: borders, both candidates, what is driven,
+the car and the objects, of what passed the door: in SI units, whatever the record keeps). Needs the package `mcap`, which is imported when this is called.
 """
 
 from __future__ import annotations
@@ -15,7 +15,9 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.record import Recorded, Run, decided_by_name
+from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
+from trackmarshal.runtime.record import Opaque, Recorded, Run, decided_by_name
 
 FRAME = "map"
 _GREY, _GREEN, _ORANGE, _RED, _BLUE = (
@@ -23,6 +25,7 @@ _GREY, _GREEN, _ORANGE, _RED, _BLUE = (
 )  # fmt: skip
 #: Size of the car where its parameters do not say, m.
 _LENGTH, _WIDTH = 4.7, 2.0
+_POSE = ("x", "y", "heading")
 _OBJECT = {"type": "object"}
 
 
@@ -70,35 +73,46 @@ def _messages(run: Run, recorded: Recorded, decision: Decision) -> dict[str, Any
         "/decision": {"timestamp": stamp, "t": _spelt(decision.t), **_spelt(decided_by_name(decision))}
     }
     cycle = recorded.cycle
-    if type(cycle) is Cycle and not decision.faults:
+    if type(cycle) is Cycle and decision.judged is not None and not decision.faults:
         messages["/cycle"] = _spelt({
             "timestamp": stamp, "number": cycle.number, DRIVING: cycle.driving, EMERGENCY: cycle.emergency, **cycle.signals
         })  # fmt: skip
-        messages["/scene"] = {"deletions": [], "entities": list(_entities(run, cycle, decision, stamp))}
+        messages["/scene"] = {
+            "deletions": [],
+            "entities": list(_entities(run, decision.judged.about, decision, stamp)),
+        }
     return messages
 
 
 def _entities(
-    run: Run, cycle: Cycle, decision: Decision, stamp: Mapping[str, int]
+    run: Run, frame: Frame, decision: Decision, stamp: Mapping[str, int]
 ) -> Iterable[dict[str, Any]]:
-    track = cycle.signals.get("track", {})
-    borders = [_line(side.tolist(), _GREY, 0.15) for name, side in track.items() if name in ("left", "right")]
-    yield _entity("track", stamp, lines=borders)
-    for name, columns, colour in ((DRIVING, cycle.driving, _BLUE), (EMERGENCY, cycle.emergency, _ORANGE)):
-        yield _entity(name, stamp, lines=[_line(zip(columns["x"], columns["y"]), colour, 0.2)])
+    borders = [line.points.tolist() for (signal, _), line in frame.lines.items() if signal == "track"]
+    yield _entity("track", stamp, lines=[_line(points, _GREY, 0.15) for points in borders])
+    for name, colour in ((DRIVING, _BLUE), (EMERGENCY, _ORANGE)):
+        plan = frame.candidates[name]
+        yield _entity(name, stamp, lines=[_line(zip(plan.listed("x"), plan.listed("y")), colour, 0.2)])
     samples = decision.samples
     if samples is not None:
         colour = _GREEN if decision.safe else _RED
         yield _entity("driven", stamp, lines=[_line(zip(samples["x"], samples["y"]), colour, 0.5)])
-    ego = cycle.signals["ego"]
-    length, width = (
-        run.identity.get("params", {}).get(n, d) for n, d in (("length", _LENGTH), ("width", _WIDTH))
+    size = {n: run.identity.get("params", {}).get(n, d) for n, d in (("length", _LENGTH), ("width", _WIDTH))}
+    yield _entity(
+        "ego", stamp, cubes=[_box({**size, **each}, _BLUE) for each in _records(frame, "ego", _POSE)]
     )
-    yield _entity("ego", stamp, cubes=[_box(ego, length, width, _BLUE)])
     for signal, colour in (("objects", _RED), ("obstacles", _GREY)):
-        sets = cycle.signals.get(signal, {})
-        records = [dict(zip(sets, values)) for values in zip(*sets.values())]
-        yield _entity(signal, stamp, cubes=[_box(r, r["length"], r["width"], colour) for r in records])
+        found = _records(frame, signal, (*_POSE, "length", "width"))
+        yield _entity(signal, stamp, cubes=[_box(each, colour) for each in found])
+
+
+def _records(frame: Frame, signal: str, fields: tuple[str, ...]) -> Iterable[dict[str, float]]:
+    """The entries of a signal of which all these fields are known: whatever else there is has no place in a scene."""
+    columns = frame.columns.get(signal)
+    if columns is None or not set(fields) <= set(columns.names.numbers):
+        return
+    for values in zip(*map(columns.listed, fields)):
+        if all(map(math.isfinite, values)):
+            yield dict(zip(fields, values))
 
 
 def _entity(name: str, stamp: Mapping[str, int], **parts: Any) -> dict[str, Any]:
@@ -115,10 +129,10 @@ def _line(points: Iterable[Any], colour: tuple[float, ...], thickness: float) ->
     }  # fmt: skip
 
 
-def _box(record: Mapping[str, Any], length: float, width: float, colour: tuple[float, ...]) -> dict[str, Any]:
+def _box(record: Mapping[str, float], colour: tuple[float, ...]) -> dict[str, Any]:
     return {
-        "pose": _pose(float(record["x"]), float(record["y"]), float(record["heading"])),
-        "size": {"x": float(length), "y": float(width), "z": 1.2}, "color": _colour(colour),
+        "pose": _pose(record["x"], record["y"], record["heading"]),
+        "size": {"x": record["length"], "y": record["width"], "z": 1.2}, "color": _colour(colour),
     }  # fmt: skip
 
 
@@ -141,11 +155,15 @@ def _stamp(reading: float) -> dict[str, int]:
 
 
 def _spelt(value: Any) -> Any:
-    """Strict JSON: arrays as lists, numbers that are not finite as words."""
+    """Strict JSON: arrays and borders as lists, numbers that are not finite as words; of what no format has a word for, what it was."""
+    if isinstance(value, Line):
+        value = value.points
+    if isinstance(value, Opaque):
+        return value.kind
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, dict):
-        return {name: _spelt(item) for name, item in value.items()}
+        return {str(name): _spelt(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return [_spelt(item) for item in value]
     return str(value) if isinstance(value, float) and not math.isfinite(value) else value
