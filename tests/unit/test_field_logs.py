@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import random
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -220,6 +221,27 @@ def test_line_ends_names_and_packing_make_no_difference(tmp_path: Path, end: str
     file.write_bytes(gzip.compress(data) if packed else data)
     found = log.read(mapping.read(where), file)
     assert found.v == pytest.approx(CLEAN["v"])
+
+
+def test_a_speed_of_nothing_fits_no_unit(tmp_path: Path) -> None:
+    where, file = field_logs.write(tmp_path, {**CLEAN, "v": 0.0 * CLEAN["v"]}, field_logs.MAP)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(TrackmarshalError) as caught:
+            log.read(mapping.read(where), file)
+    assert caught.value.message == "the speed column is 0 times the speed of the positions"
+    assert caught.value.help == "are the units of time, place and speed right?"
+
+
+def test_a_log_that_is_too_short_to_compare_is_not_said_to_stand(tmp_path: Path) -> None:
+    """Of 30 rows of a car that drives, 18 pairs half a second apart are no contradiction; with one place for all of them they are."""
+    short = {name: column[:30] for name, column in field_logs.ring().items()}
+    where, file = field_logs.write(tmp_path, short, field_logs.MAP)
+    assert len(log.read(mapping.read(where), file).t) == 30
+    still = {**short, "x": 0.0 * short["x"], "y": 0.0 * short["y"]}
+    where, file = field_logs.write(tmp_path, still, field_logs.MAP)
+    with pytest.raises(TrackmarshalError, match="the positions do not move"):
+        log.read(mapping.read(where), file)
 
 
 def test_conventions_and_units(tmp_path: Path) -> None:

@@ -160,7 +160,8 @@ def _fits(log: Log, shown: str) -> None:
     said = 0.5 * (log.v[lag:] + log.v[:-lag])
     moving = seen > MOVING
     if np.count_nonzero(moving) < _FEWEST:
-        if np.median(np.abs(said)) > MOVING:
+        # A log that is too short to compare shows neither.
+        if np.median(np.abs(said)) > MOVING >= np.median(seen):
             raise _contradicts(
                 "the speed column says that it drives, the positions do not move",
                 shown,
@@ -170,7 +171,7 @@ def _fits(log: Log, shown: str) -> None:
     ratio = float(np.median(np.abs(said[moving]) / seen[moving]))
     if not 0.8 <= ratio <= 1.25:
         close = [
-            (abs(np.log(ratio / f)), text)
+            (abs(np.log(ratio / f)) if ratio > 0.0 else np.inf, text)
             for f, text in (
                 (3.6, "km/h"),
                 (1 / 3.6, "m/s"),

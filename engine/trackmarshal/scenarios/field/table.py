@@ -108,6 +108,8 @@ def _places(
                 help_ = (
                     f"is `{other}` what divides the columns? The mapping says so with `delimiter: '{other}'`"
                 )
+            if count > 1:
+                help_ = "give each a name of its own in the header"
             raise TrackmarshalError("D170", message, file=shown, line=line, help=help_)
         result.append(names.index(wanted))
     return result, True
