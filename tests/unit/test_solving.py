@@ -98,7 +98,7 @@ def test_a_wrong_solution_is_not_claimed(monkeypatch: pytest.MonkeyPatch) -> Non
     assert list(solver.claims()) == []
     (first, *_) = said("braking_limit", "a")
     assert first.startswith(
-        "For p.a: not solved, because of no formula that the reference evaluator says the same as"
+        "For p.a: not solved, because of a formula that the reference evaluator does not confirm"
     )
 
 

@@ -93,7 +93,7 @@ ENGLISH = Words(
         "nothing given": "a name for which nothing is given", "function": "a function that is not turned round", "lines": "lines or areas in what the rule reads",
         "samples": "several samples of one timeline", "times": "times that increase from sample to sample", "quantified": "a demand that is not on every one by itself",
         "absent": "a demand that it does not stand in", "comparison": "a demand that is no comparison of numbers", "equality": "a demand on equality",
-        "unproved": "no formula that the reference evaluator says the same as",
+        "unproved": "a formula that the reference evaluator does not confirm",
     },
     found="With the inputs of the test “{a}” and {b} from {c} to {d}, the same everywhere: the limit is kept {e}.",
     nowhere="nowhere", everywhere="everywhere", interval="from {a} to {b}", untested="There is no test with inputs in which it could be found, either.",
