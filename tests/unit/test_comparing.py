@@ -322,6 +322,29 @@ rule r "r"
     ]
 
 
+def test_a_rule_of_which_a_recording_lacks_what_it_reads(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Undefined on both sides is the same, whatever the edit."""
+    rules = """module m
+signal plan : trajectory {{ t: s increasing, v: m/s }}
+signal weather : state {{ temperature: 1 }}
+rule slow "r"
+  for all p in plan
+  require p.v <= 90 m/s
+rule warm "r"
+  require weather.temperature >= {least}
+"""
+    for name, least in (("old", 0), ("new", 30)):
+        (tmp_path / f"{name}.spec").write_text(rules.format(least=least))
+    sides = [str(tmp_path / f"{name}.spec") for name in ("old", "new")]
+    recording = replace(tm.load_recording(CUT_IN), use=(), params={}, tables={})
+    write(recording, tmp_path / "r.tmrec.jsonl")
+    assert main(["diff", *sides, "--on", str(tmp_path / "r.tmrec.jsonl")]) == 0
+    notes = [line for line in capsys.readouterr().err.splitlines() if line.startswith("note:")]
+    assert notes == [f"note: {recording.name} shows nothing of `warm`: undefined in every cycle"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

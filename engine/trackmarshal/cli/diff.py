@@ -132,11 +132,15 @@ class _Side:
 
 
 def _note(old: Judged, new: Judged) -> None:
-    """Say which edited values a recording does not show: that nothing differs on it says nothing of them."""
+    """Say which edited values and which rules a recording does not show: that nothing differs on it says nothing of them."""
     from trackmarshal.scenarios.overrides import hidden
 
     for one in hidden(new.recording, old.evaluator.spec, new.evaluator.spec):
         say(f"note: {new.recording.name} does not show an edit: it has {one}", file=sys.stderr)
+    unknown = [rule.name for rule in new.evaluator.rules if rule.name in old.unknown & new.unknown]
+    if unknown:
+        rules = ", ".join(f"`{name}`" for name in unknown)
+        say(f"note: {new.recording.name} shows nothing of {rules}: undefined in every cycle", file=sys.stderr)
 
 
 def _renamed(given: Sequence[str], pairs: Sequence[object]) -> dict[str, str]:

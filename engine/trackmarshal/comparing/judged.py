@@ -33,6 +33,14 @@ class Judged:
     margins: NDArray[np.float64]
     decisions: tuple[tuple[str, float | None], ...]
 
+    @property
+    def unknown(self) -> frozenset[str]:
+        """Rules that are undefined of every candidate in every cycle, as where the recording lacks what they read."""
+        undefined = (self.codes == VERDICTS.index("undefined")) | ~self.there[:, :, np.newaxis]
+        return frozenset(
+            rule.name for rule, always in zip(self.evaluator.rules, undefined.all(axis=(0, 1))) if always
+        )
+
 
 def judge(
     evaluator: Evaluator, recording: Recording, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
