@@ -426,6 +426,20 @@ def test_the_summary(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert out.splitlines()[1].startswith("started at the beginning")
 
 
+def test_a_record_of_no_cycle_shows_nothing(project: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Cut off in its first row, as where the process was killed at once: there is no decision that could be the same."""
+    path = project / "run.arrows"
+    record(path, 1)
+    data = path.read_bytes()
+    length = next(n for n in range(len(data), 0, -500) if not read(data[:n], "run").cycles)
+    path.write_bytes(data[:length])
+    status, out, _ = replay(project, capsys)
+    assert status == 1
+    head, last = out.splitlines()
+    assert head.startswith(f"{path}: 0 cycles; not closed, ")
+    assert last == "no decision is in it: none is shown to be the same"
+
+
 @pytest.mark.parametrize("begin", ["60", "-1", "1.5", "9 m", "nans", "100s", "", "s"])
 def test_no_such_place(begin: str, project: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record(project / "run.arrows", 60)

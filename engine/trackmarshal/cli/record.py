@@ -37,8 +37,8 @@ def is_record(path: str) -> bool:
 def replay_record(
     path: str, spec: Spec, backend: str | None, format_: str, quiet: bool, mcap: str | None = None, begin: str | None = None
 ) -> int:  # fmt: skip
-    """Print what became of it, from a place on where `begin` says one; 0 when every decision is the recorded one and none is missing,
-    else 1. Raises D120, D124, D161, D162, E436, E484."""
+    """Print what became of it, from a place on where `begin` says one; 0 when there are decisions, every one is the recorded one and none is
+    missing, else 1. Raises D120, D124, D161, D162, E436, E484."""
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content
     from trackmarshal.supervision import box_of, nearest, rerun
@@ -78,7 +78,7 @@ def replay_record(
     else:
         began = None if begin is None else start
         say(*_summary(path, run, decisions, found, first, began))
-    return 1 if found or run.missed or run.damage else 0
+    return 1 if found or run.missed or run.damage or not decisions else 0
 
 
 def _place(begin: str, run: Run, path: str) -> int:
@@ -121,8 +121,8 @@ def _summary(
     counts = Counter(decision.action for decision in decisions)
     ending = "" if run.ended else f"; not closed, {run.rest} bytes behind the last whole cycle"
     lines = [
-        f"{path}: {len(decisions)} cycles{'' if began is None else f' from cycle {first} on'}, "
-        + ", ".join(f"{count} {action}" for action, count in counts.items())
+        f"{path}: {len(decisions)} cycles{'' if began is None else f' from cycle {first} on'}"
+        + "".join(f", {count} {action}" for action, count in counts.items())
         + ending
     ]
     if began is not None:
@@ -133,6 +133,8 @@ def _summary(
         )
     if run.missed:
         lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
+    if not decisions:
+        return [*lines, "no decision is in it: none is shown to be the same"]
     if not found:
         return [*lines, "same decisions, bit for bit"]
     places = {difference.place for difference in found}
