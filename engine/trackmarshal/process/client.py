@@ -10,7 +10,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, Protocol
 
-from .messages import PLAIN, Entry, Kind, Layout, LinkError, Message, is_number, length_of, rounded
+from .messages import (
+    NO_COLUMNS,
+    PLAIN,
+    Entry,
+    Kind,
+    Layout,
+    LinkError,
+    Message,
+    is_flag,
+    is_number,
+    is_text,
+    is_whole,
+    length_of,
+    rounded,
+)
 
 
 class Channel(Protocol):
@@ -44,8 +58,11 @@ class Border:
 
     def __init__(self, points: Any) -> None:
         try:
-            rows = list(points)
-            flat = [one for x, y in rows for one in (x, y)]
+            rows: list[Any] = [points] if isinstance(points, NO_COLUMNS) else list(points)
+            # Nobody says what those are numbers of, or in which order.
+            if any(isinstance(row, NO_COLUMNS) for row in rows):
+                raise LinkError("points are pairs [x, y]")
+            flat: list[Any] = [one for x, y in rows for one in (x, y)]
         except (TypeError, ValueError, NotImplementedError) as error:
             raise LinkError("points are pairs [x, y]") from error
         others = [one for one in flat if type(one) not in PLAIN]
@@ -55,9 +72,22 @@ class Border:
             raise LinkError(
                 "short floats have no two numbers nearer than 1 cm where the points are: give them as float64"
             )
-        self.points = array("d", flat)
+        try:
+            # Who changed them would be judged by what was sent before.
+            self.points = memoryview(array("d", flat)).toreadonly()
+        except OverflowError as error:
+            raise LinkError(f"points are pairs [x, y] of numbers that a double holds: {error}") from error
         self.count = len(flat) // 2
         self.number = next(self._numbers)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Each process counts by itself: what comes from another one would pass for the border of the same number.
+        flat = self.points.tolist()
+        return Border, (list(zip(flat[::2], flat[1::2])),)
+
+
+#: Columns of candidates, whose samples nobody knows again.
+_CANDIDATES = ("driving", "emergency")
 
 
 class _Group:
@@ -78,7 +108,7 @@ class _Group:
         #: What may be given by these names.
         self.fields = {*(field for field, _ in self.columns), *(line.removeprefix(begin) for line in lines)}
         self.fields |= {"closed"} if self.closed else set()
-        self.fields |= {"id"} if not (self.record or lines) else set()
+        self.fields |= {"id"} if not (self.record or lines or name in _CANDIDATES) else set()
 
     def look(self, name: str, value: Any) -> None:
         """Raise LinkError for what is no such signal: of what is misspelt, the default would be taken."""
@@ -100,7 +130,7 @@ class _Group:
     def length(self, value: Mapping[str, Any]) -> int:
         """Of the columns that are there."""
         given = ((value.get(field), entry) for field, entry in self.columns)
-        return max((length_of(one, entry) for one, entry in given if one is not None), default=0)
+        return max((length_of(one, entry.name) for one, entry in given if one is not None), default=0)
 
 
 def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
@@ -152,6 +182,9 @@ class Client:
         event True, False or None; of a set whose elements are known again in other cycles, `id` has a whole number for each. What is left out, and has no default, is missing, as is None;
         a name that the program does not read is a LinkError. found: faults that the caller has found. came: False says that a cycle was due.
         """
+        if not isinstance(signals, Mapping):
+            raise LinkError(f"signals are given by their names, not as {type(signals).__name__}")
+        found = _faults(found)
         kind, message = self._cycle, bytearray(self._cycle.length)
         given = {
             "driving": driving,
@@ -162,10 +195,10 @@ class Client:
         for group, value in coming.items():  # before anything is sent
             self._look(group, value)
         versions = self._lines(signals) if came else {}
-        kind.put(message, "came", int(came))
+        kind.put(message, "came", _truth("came", came))
         kind.put(message, "numbered", int(number is not None))
         kind.put(message, "stamped", int(t is not None))
-        kind.put(message, "number", number or 0)
+        kind.put(message, "number", 0 if number is None else number)
         kind.put(message, "t", 0.0 if t is None else t)
         missing = list[Found]()
         for group, value in coming.items():
@@ -241,8 +274,7 @@ class Client:
         known, kind = self._groups[group], self._cycle
         kind.put(message, f"{group}/present", 1)
         if known.closed:
-            closed = value.get("closed") if isinstance(value, Mapping) else None
-            kind.put(message, f"{group}/closed", 0 if closed is None else _truth(f"{group}.closed", closed))
+            kind.put(message, f"{group}/closed", _truth(f"{group}.closed", value.get("closed", False)))
         if known.lines:
             for name in known.lines:
                 kind.put(message, name, versions[name])
@@ -250,13 +282,14 @@ class Client:
         if isinstance(value, Block):
             count = value.write(message, known.columns)
             kind.put(message, f"{group}/count", count)
-            self._name(message, group, value.ids, count)
+            self._name(message, group, value.ids if len(value.ids) else None, count)
             return ()
-        absent, count, missing = 0, 1 if known.record else 0, list[str]()
+        absent, missing = 0, list[str]()
+        length: int | None = None
         for place, (field, entry) in enumerate(known.columns):
             column = value.get(field, _LEFT_OUT)
             if column is _LEFT_OUT and entry.default is not None:
-                default = int(entry.default) if entry.type == "i8" else entry.default
+                default = entry.default == 1 if entry.type == "i8" else entry.default
                 column = default if known.record else [default] * known.length(value)
             if column is None or column is _LEFT_OUT:
                 absent |= 1 << place
@@ -264,26 +297,32 @@ class Client:
                 if known.record:
                     kind.set(message, entry, -1 if entry.type == "i8" else float("nan"))
                 continue
-            if not known.record:
-                if count not in (0, length_of(column, entry)):
-                    raise LinkError(f"the columns of `{group}` have different lengths")
-                count = len(column)
+            if known.record:
+                column = _truth(entry.name, column) if entry.type == "i8" else column
+            elif length not in (None, length_of(column, entry.name)):
+                raise LinkError(f"the columns of `{group}` have different lengths")
+            else:
+                length = len(column)
             kind.set(message, entry, entry.places(column))
+        count = 1 if known.record else length or 0
         if not known.record:
             kind.put(message, f"{group}/count", count)
             kind.put(message, f"{group}/absent", absent)
-            ids = value.get("id")
-            self._name(message, group, () if ids is None else ids, count)
+            self._name(message, group, value.get("id"), count)
         signal = group.removeprefix("signals.")
         return [("missing", signal, field, None) for field in missing] if count == 0 else ()
 
-    def _name(self, message: bytearray, group: str, ids: Sequence[int], count: int) -> None:
+    def _name(self, message: bytearray, group: str, ids: Sequence[int] | None, count: int) -> None:
         """Put in by what elements are known again, where rules ask for it; the Supervisor refuses a set in which not each has an id."""
         kind = self._cycle
         entry = kind.entries.get(f"{group}/id")
-        if entry is not None and len(ids) == count:
+        if ids is None:
+            return
+        if entry is None:
+            _look_at_ids(group, ids, count)
+        elif length_of(ids, entry.name) == count:
             kind.put(message, f"{group}/named", 1)
-            kind.set(message, entry, ids[: entry.room])
+            kind.set(message, entry, ids)
 
     def _lines(self, signals: Mapping[str, Any]) -> dict[str, int]:
         """The versions of all lines by their entries; those that are new are sent."""
@@ -323,9 +362,12 @@ class Client:
         most = kind.entries["found_name"].room
         given = list(found)[:most]
         kind.put(message, "found_count", len(given))
-        for name, _, _, _ in given:
-            if name not in layout.faults:
-                raise LinkError(f"no fault is called `{name}`{_nearest(name, layout.faults)}")
+        known = layout.faults[1:]  # the first one says that there is none
+        for name, _, _, index in given:
+            if name not in known:
+                raise LinkError(f"no fault is called `{name}`{_nearest(name, known)}")
+            if index is not None and not (is_whole(index) and index >= 0):
+                raise LinkError(f"`{name}` is found at {str(index)[:40]!r}, which is no place")
         kind.put(message, "found_name", [layout.faults.index(name) for name, _, _, _ in given])
         kind.put(message, "found_signal", [_place(signal, layout.signals) for _, signal, _, _ in given])
         kind.put(message, "found_field", [_place(field, layout.fields) for _, _, field, _ in given])
@@ -333,14 +375,41 @@ class Client:
 
 
 def _truth(name: str, flag: Any) -> int:
-    """A flag as it is sent; raises LinkError for what is none, such as a text that says "false"."""
-    if flag not in (0, 1):
+    """A flag as it is sent; raises LinkError for what is none, such as a text that says "false", or a number, which is none to the Supervisor's own door."""
+    if not is_flag(flag):
         raise LinkError(f"`{name}` is True or False, not {str(flag)[:40]!r}")
     return int(flag)
 
 
+def _faults(found: Sequence[Found]) -> list[Found]:
+    """Faults that a caller has found; raises LinkError for anything else."""
+    if isinstance(found, NO_COLUMNS) or not isinstance(found, Iterable):
+        raise LinkError(f"the faults that were found are a list, not {type(found).__name__}")
+    listed = list(found)
+    for one in listed:
+        if not isinstance(one, (tuple, list)) or len(one) != 4:
+            raise LinkError(f"a fault is its name, signal, field and index, not {str(one)[:40]!r}")
+    return listed
+
+
+def _look_at_ids(group: str, ids: Sequence[Any], count: int) -> None:
+    """Raise LinkError for ids that no message has a place for, as no rule knows elements by them, and that the Supervisor's own door refuses: columns that
+    were put together wrongly show there first."""
+    if isinstance(ids, NO_COLUMNS):
+        raise LinkError(f"`{group}.id` is no column of ids")
+    if length_of(ids, f"{group}.id") != count:
+        raise LinkError(f"the columns of `{group}` have different lengths")
+    known = set[str | float]()
+    for one in ids:
+        if not (is_text(one) or (is_number(one) and -(2.0**63) <= one < 2.0**63)):
+            raise LinkError(f"an entry of `{group}.id` is neither a text nor a number: {str(one)[:40]!r}")
+        known.add(str(one) if is_text(one) else float(one))
+    if len(known) != count:
+        raise LinkError(f"an entry of `{group}.id` stands twice")
+
+
 def _look_at_line(name: str, given: Any) -> None:
-    if not hasattr(given, "points"):
+    if not isinstance(given, Border):
         raise LinkError(f"`{name.removesuffix('.line')}` is a Border, which is made once of its points")
 
 

@@ -9,7 +9,6 @@ import zlib
 from array import array
 from collections.abc import Mapping, Set
 from functools import cached_property
-from numbers import Real
 from operator import lt
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -18,7 +17,7 @@ _FORMATS = {"u64": "Q", "i64": "q", "f64": "d", "u32": "I", "u16": "H", "i8": "b
 #: What stands for a value that is missing, of types that have it.
 _MISSING: dict[str, float] = {"f64": math.nan, "i8": -1}
 #: What is no column: it holds none, or none in order, or bytes, of which nobody says which numbers they are.
-_NO_COLUMNS = (str, bytes, bytearray, Mapping, Set)
+NO_COLUMNS = (str, bytes, bytearray, Mapping, Set)
 #: Types of numbers of which nothing need be asked.
 PLAIN = {float, int}
 _HEAD = struct.Struct("<IIHHIQQQd")
@@ -50,16 +49,20 @@ class Entry(NamedTuple):
         """A value, or a column, with the places of members in place of their names; raises LinkError for a name of none."""
         if not self.members:
             return value
-        if self.array and any(isinstance(one, str) for one in value):
-            return [float(self._place(one)) for one in value]
-        return value if self.array else self._place(value)
+        if not self.array:
+            return self._place(value)
+        if isinstance(value, NO_COLUMNS):  # of which names could be taken all the same
+            raise LinkError(f"`{self.name}` is no column of numbers")
+        return [self._place(one) for one in value] if any(map(is_text, value)) else value
 
     def _place(self, one: Any) -> Any:
-        if not isinstance(one, str):
-            return float("nan") if one is None else one
-        if one not in self.members:
-            raise LinkError(f"`{self.name}` is none of {', '.join(self.members)}: {one[:40]!r}")
-        return float(self.members.index(one))
+        """Of a name its place, of nothing NaN; anything else as it is, for whoever packs it to look at."""
+        if not is_text(one):
+            return math.nan if one is None else one
+        name = str(one)
+        if name not in self.members:
+            raise LinkError(f"`{self.name}` is none of {', '.join(self.members)}: {name[:40]!r}")
+        return float(self.members.index(name))
 
     @property
     def format(self) -> str:
@@ -118,18 +121,21 @@ class Kind:
         if not entry.array:
             if entry.type == "f64" and not is_number(value):
                 raise LinkError(f"`{entry.name}` is no number: {str(value)[:40]!r}")
+            if entry.type != "f64" and not is_whole(value):
+                raise LinkError(f"`{entry.name}` cannot be that: {str(value)[:40]!r} is no whole number")
             _refuse_rounded([value], entry)
             try:
                 struct.pack_into("<" + entry.format, into, entry.offset, value)
             except (struct.error, OverflowError) as error:  # the one or the other, as Python's version has it
                 raise LinkError(f"`{entry.name}` cannot be that: {error}") from error
             return
-        length_of(value, entry)
+        length_of(value, entry.name)
         _refuse_rounded(value, entry)  # while it says what it is of: what is masked becomes a list next
         value = _unmasked(value, entry)
         try:
             data = memoryview(value)
-            same = data.format == entry.format and data.contiguous and data.ndim == 1
+            # Whole numbers are no flags, though both have one byte.
+            same = entry.type != "i8" and data.format == entry.format and data.contiguous and data.ndim == 1
         except (TypeError, ValueError):  # no buffer, or one of what no buffer has, such as times
             same = False
         if not same:
@@ -161,16 +167,40 @@ def _unmasked(value: Any, entry: Entry) -> Any:
         return below
     if entry.type not in _MISSING:
         raise LinkError(f"`{entry.name}` is masked, and cannot be missing")
-    return [_MISSING[entry.type] if hides else one for one, hides in zip(below.tolist(), hidden, strict=True)]
+    return [None if hides else one for one, hides in zip(below.tolist(), hidden, strict=True)]
+
+
+def _kind(value: Any) -> str | None:
+    """The kind of a number of numpy, or of an array of one without axes; empty for arrays with axes and for what is masked, None for what is not numpy's."""
+    kind: str | None = getattr(getattr(value, "dtype", None), "kind", None)
+    return "" if kind is not None and (getattr(value, "ndim", 0) != 0 or hasattr(value, "filled")) else kind
 
 
 def is_number(value: Any) -> bool:
-    """Whether something is a number to the Supervisor's own door: no Boolean, no text, nothing complex, no time, of which numpy makes a whole one, and no
-    array with axes."""
-    kind = getattr(getattr(value, "dtype", None), "kind", None)
+    """Whether something is a number to the Supervisor's own door: no Boolean, no text, nothing complex, no fraction, no time, of which numpy makes a
+    whole one, and no array with axes."""
+    kind = _kind(value)
     if kind is None:
-        return isinstance(value, Real) and not isinstance(value, bool)
-    return kind in ("i", "u", "f") and getattr(value, "ndim", 0) == 0
+        return isinstance(value, (int, float)) and not isinstance(value, bool)
+    return kind in ("i", "u", "f")
+
+
+def is_whole(value: Any) -> bool:
+    """Whether something is a whole number to it."""
+    kind = _kind(value)
+    if kind is None:
+        return isinstance(value, int) and not isinstance(value, bool)
+    return kind in ("i", "u")
+
+
+def is_flag(value: Any) -> bool:
+    """Whether something is a Boolean to it: 0 and 1 are none."""
+    return isinstance(value, bool) or _kind(value) == "b"
+
+
+def is_text(value: Any) -> bool:
+    """Whether something is a text to it."""
+    return type(value) not in PLAIN and (isinstance(value, str) or _kind(value) == "U")
 
 
 def _short(held: Any) -> str:
@@ -219,21 +249,22 @@ def _refuse_rounded(value: Any, entry: Entry) -> None:
         )
 
 
-def length_of(column: Any, entry: Entry) -> int:
+def length_of(column: Any, name: str) -> int:
     """Of a column; raises LinkError for what has none, such as one number, or a generator, which is empty once it was looked at."""
     try:
         return len(column)
     except TypeError as error:
-        raise LinkError(f"`{entry.name}` is no column of numbers") from error
+        raise LinkError(f"`{name}` is no column of numbers") from error
 
 
 def _listed(value: Any, entry: Entry) -> list[Any]:
     """The entries of a column, as they are sent; raises LinkError for what is none to the Supervisor's own door."""
     kind = getattr(getattr(value, "dtype", None), "kind", "")
-    if isinstance(value, _NO_COLUMNS) or kind in ("m", "M") or _of_bytes(value):
+    if isinstance(value, NO_COLUMNS) or kind in ("m", "M") or _of_bytes(value):
         raise LinkError(f"`{entry.name}` is no column of numbers")
     found = value.tolist() if hasattr(value, "tolist") else list(value)
-    return found if PLAIN.issuperset(map(type, found)) else [_sent(one, entry) for one in found]
+    plain = entry.type != "i8" and PLAIN.issuperset(map(type, found))
+    return found if plain else [_sent(one, entry) for one in found]
 
 
 def _of_bytes(value: Any) -> bool:
@@ -242,12 +273,12 @@ def _of_bytes(value: Any) -> bool:
 
 
 def _sent(one: Any, entry: Entry) -> Any:
-    """An entry of a column: None is missing, and Booleans are flags alone."""
+    """An entry of a column: None is missing, flags are Booleans, and nothing else is."""
     if one is None and entry.type in _MISSING:
         return _MISSING[entry.type]
-    if entry.type == "i8" and (
-        isinstance(one, bool) or getattr(getattr(one, "dtype", None), "kind", "") == "b"
-    ):
+    if entry.type == "i8":
+        if not is_flag(one):
+            raise LinkError(f"an entry of `{entry.name}` is True or False, not {str(one)[:40]!r}")
         return int(one)
     if not is_number(one):
         raise LinkError(f"an entry of `{entry.name}` is no number: {str(one)[:40]!r}")

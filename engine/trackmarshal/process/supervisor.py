@@ -18,7 +18,7 @@ from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Reason, Said
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.process.client import Block, Client, Found
+from trackmarshal.process.client import Block, Border, Client, Found
 from trackmarshal.process.messages import Entry, Layout, LinkError, Message
 from trackmarshal.process.serving import emitted
 from trackmarshal.runtime.contract import RECORD
@@ -195,10 +195,10 @@ class RemoteStepper:
         return Said(0, state, 0, 0, -1, 0, nan, 0, 0, nan, 0, nan, nan, nan, 0, 0, 0, 0)
 
 
-class _Points:
+class _Points(Border):
     """A line as a client sends it."""
 
-    __slots__ = ("count", "number", "points")
+    __slots__ = ()
 
     def __init__(self, line: Line) -> None:
         self.number, self.count = line.number, len(line)
