@@ -6,10 +6,12 @@ import copy
 import pickle
 import random
 import shutil
+import subprocess
 from array import array
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,7 @@ import pytest
 
 import trackmarshal as tm
 from support.processes import PATIENCE, Served
+from trackmarshal.cli.main import main
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.messages import LinkError
 from trackmarshal.process.serving import build
@@ -300,3 +303,52 @@ def test_points_do_not_change() -> None:
     points: Any = Border([[0.0, 1.0]]).points
     with pytest.raises(TypeError):
         points[0] = 5.0
+
+
+#: What a client in C sends of cycles, by the kinds of its messages: one each for a line and a cycle.
+SENDING = """
+#include "client.h"
+#include <stdio.h>
+#include <string.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+int main(void) {
+  static tml_client client;
+  static tml_message heard;
+  static const double points[6] = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0};
+  tm_in_stop stop = {{points, 2u, 7u}};
+  tm_cycle cycle;
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_DGRAM, 0, ends) != 0) { return 1; }
+  client.process = getpid();
+  client.session = 1u;
+  client.fixed = 0.0;
+  client.socket = ends[0];
+  (void)memset(&cycle, 0, sizeof(cycle));
+  cycle.came = true;
+  cycle.signals.stop = &stop;
+  for (size_t k = 0u; k < 3u; ++k) {
+    if (k == 1u) { stop.line.count = 3u; }
+    if (k == 2u) { cycle.found_count = 2u; }
+    (void)tml_client_send(&client, &cycle);
+    while (recv(ends[1], heard.bytes, sizeof(heard.bytes), MSG_DONTWAIT) > 0) {
+      if (heard.head.kind == TML_LINE) { (void)printf("line of %d\\n", (int)heard.line.count); }
+      if (heard.head.kind == TML_CYCLE) { (void)printf("cycle, %d found\\n", (int)heard.cycle.found_count); }
+    }
+  }
+  return 0;
+}
+"""
+
+
+@pytest.mark.acceptance
+def test_what_a_client_in_c_sends(tmp_path: Path) -> None:
+    """A line with the id of the one before and another count is another one, as to `tm_step`, and so are faults that are not there a fault."""
+    (tmp_path / "m.spec").write_text(SPEC, encoding="utf-8")
+    assert main(["compile", str(tmp_path / "m.spec"), "--process", "--out", str(tmp_path)]) == 0
+    (tmp_path / "sending.c").write_text(SENDING, encoding="utf-8")
+    sources = [str(tmp_path / f"{name}.c") for name in ("sending", "client", "messages", "mailbox")]
+    subprocess.run(["cc", "-Werror", "-O0", *sources, "-o", str(tmp_path / "sending"), "-lm"], check=True)
+    done = subprocess.run([str(tmp_path / "sending")], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["line of 2", "cycle, 0 found", "line of 3", "cycle, 0 found", "cycle, 1 found"]  # fmt: skip

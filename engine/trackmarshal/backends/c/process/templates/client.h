@@ -26,6 +26,7 @@ typedef struct {
 #if TML_LINES > 0
   struct {
     uint64_t id;         /* the caller's, of the points that were sent last */
+    size_t count;        /* of these points */
     uint64_t version;    /* 0: none was sent, or the Supervisor has it no more */
     uint64_t sent;       /* versions so far */
   } lines[TML_LINES];
