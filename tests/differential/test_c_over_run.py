@@ -23,7 +23,7 @@ from trackmarshal.backends.c.source import Source
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
-from trackmarshal.runtime.verdict import About
+from trackmarshal.runtime.verdict import VERDICTS, About
 
 #: Rules of one program, so that not each needs a compiler.
 RULES = 12
@@ -337,6 +337,37 @@ def test_counts_go_over_gaps() -> None:
         assert found["c"] == found["reference"]
         verdicts |= {verdict for each in found["c"][:-1] for verdict, *_ in each.values()}
     assert {"undefined", "satisfied", "violated", "open"} <= verdicts
+
+
+def test_rules_by_themselves_refuse_what_cannot_come_next() -> None:
+    """Before the rules alone there is no door: a time that does not follow, and ids that are not there or alike, are refused in C itself."""
+    spec = loads(SIGNALS + 'rule f "" for all o in objects require once[0 s, 1 s] o.v > 0 m/s\n')
+    lib = CProgram(spec, spec.rules).library_for()
+    context, flags, v = lib.context, (ctypes.c_byte * 1)(), (ctypes.c_double * 2)(1.0, 1.0)
+    unusable, ok, kept = 3, 0, list[Any]()
+
+    def given(t: float, count: int, ids: tuple[int, ...] | None) -> tuple[Any, ...]:
+        kept.append((ctypes.c_uint64 * 2)(*ids or (0, 0)))  # as long as its address is in use
+        columns = (ctypes.c_void_p * 2)(
+            ctypes.addressof(v), None if ids is None else ctypes.addressof(kept[-1])
+        )
+        return (ctypes.c_size_t * 1)(count), columns, (ctypes.c_double * 1)(t), flags
+
+    def checked(t: float, count: int = 2, ids: tuple[int, ...] | None = (7, 8)) -> tuple[int, int]:
+        margin, verdict = ctypes.c_double(), ctypes.c_byte(-1)
+        out = ctypes.byref(margin), ctypes.byref(verdict)
+        return lib.dll.tmg_run(context, 1, *given(t, count, ids), *out), verdict.value
+
+    satisfied, undefined = VERDICTS.index("satisfied"), VERDICTS.index("undefined")
+    assert lib.sizes["TM_MAX_ELEMENTS"] >= 2
+    assert checked(4e9) == checked(math.nan) == (unusable, undefined)
+    assert checked(0.5) == checked(0.5) == (ok, satisfied)
+    assert lib.dll.tmg_remember(context, *given(0.5, 2, (7, 8)), 1) == 0
+    assert checked(0.5) == checked(0.4) == checked(0.5 + 1e-10) == (unusable, undefined)
+    assert checked(0.5 + 0.6e-9) == (ok, satisfied)  # to the nearest nanosecond
+    assert checked(0.6, ids=None) == checked(0.6, ids=(7, 7)) == (unusable, undefined)
+    assert checked(0.6, 1, (7, 7)) == checked(0.6, 1) == (ok, satisfied)
+    assert checked(0.6, 0, None)[0] == ok
 
 
 @pytest.mark.acceptance  # a Supervisor is, every day
