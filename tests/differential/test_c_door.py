@@ -293,6 +293,25 @@ def test_what_is_stored_is_driven_when_a_new_configuration_is_refused() -> None:
     assert driver.step(straight(2), 2 * PERIOD).safe
 
 
+def test_all_that_a_step_says_is_about_it() -> None:
+    """To whoever reads the decision in C: not a word of it is left of the step before, and reasons are no more than there are."""
+    driver = Driver(source(), budget=0.5, blind=2.0)
+    driver.took = 0.5  # and no more than that
+    said = driver.step(straight(7), 0.7)
+    assert (said.safe, said.first, said.stored_number, said.stored_t) == (1, 0, 7, straight(7).t)
+    assert (said.lost, said.fault_count, said.reason_count) == (0, 0, 0)
+    said = driver.step(None, 1.25)
+    assert (said.safe, said.driven, said.stored, said.stored_number, said.lost) == (0, 2, 1, 7, 0)
+    assert (said.fault_count, [r.name for r in driver.made.reasons(said)]) == (1, ["missing_cycle"])
+    said = driver.step(None, math.inf)
+    assert (said.driven, next(r.name for r in driver.made.reasons(said))) == (0, "bad_clock")
+    said = driver.step(None, 9.0)  # no infinite time has passed
+    assert (said.stored, said.stored_number, driver.made.lost(said)) == (0, 0, "none_stored")
+    assert math.isnan(said.stored_t)
+    assert (said.now, said.fault_count) == (9.0, 1)
+    assert [r.name for r in driver.made.reasons(said)] == ["missing_cycle", "none_stored"]
+
+
 @pytest.mark.verifies("S-1-B-4")
 @pytest.mark.parametrize("byte", [0, 0xFF, 0x5A])
 def test_a_context_that_was_never_made_drives_nothing(byte: int) -> None:

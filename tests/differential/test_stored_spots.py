@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from support.agreement import compiled
 from support.length import amount
 from support.pairs import Pair
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import Cycle, Limits
 
@@ -84,3 +86,36 @@ def test_a_stored_trajectory_is_driven_where_the_car_is_on_it() -> None:
             assert decision.lost == expected, (plan, t, ego)
             said[expected] += 1
     assert min(said[name] for name in ("", "apart", "too_fast")) > 10, said
+
+
+#: Times in s from the stamp, x in m and speeds in m/s of a trajectory; the stamp, and when the car is next seen, in s; x and speed of
+#: the car there; why it may not be driven any more. All numbers are whole multiples of powers of two: what is equal is equal.
+SPOTS = {
+    "a sample is due at the moment": ([0, 0.5, 1, 2], [0, 4, 6, 8], [8, 6, 2, 0], 0, 0.5, 4, 6, ""),
+    "it ends at the moment": ([0, 0.5, 1], [0, 4, 6], [8, 6, 0], 0, 1, 6, 0, ""),
+    "it has ended": ([0, 0.5, 1], [0, 4, 6], [8, 6, 0], 0, 1.25, 6, 0, "expired"),
+    "it stands": ([0, 0.5, 1, 2], [0, 0, 0, 0], [0, 0, 0, 0], 0, 0.5, 0, 0, ""),
+    "it stands, and the car is beside it": ([0, 0.5, 1, 2], [0, 0, 0, 0], [0, 0, 0, 0], 0, 0.5, 8, 0, "apart"),
+    "it comes back: the first of equally near places": ([0, 0.5, 1, 2], [0, 2, 0, -2], [6, 0, -6, 0], 0, 0.25, 1, 5, ""),
+    "its last samples are due at once": ([0, 0.5, 0.5 + 2**-27], [0, 4, 4], [8, 0, 0], 2**31, 2**31 + 0.5, 4, 0, ""),
+}  # fmt: skip
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+@pytest.mark.verifies("S-1-B-6")
+@pytest.mark.parametrize("spot", SPOTS)
+def test_places_and_times_that_are_met_exactly(spot: str) -> None:
+    times, stations, speeds, stamp, seen, x, v, expected = SPOTS[spot]
+    plan = {name: np.zeros(len(times)) for name in ("y", "heading")}
+    plan |= {name: np.array(row, float) for name, row in (("t", times), ("x", stations), ("v", speeds))}
+    pair = Pair(Evaluator(compiled(SPEC)), limits=replace(LIMITS, longest_gap=2.0))
+    first = {name: float(plan[name][0]) for name in ("x", "y", "heading", "v")}
+    assert pair.step(Cycle(0, float(stamp), plan, plan, {"ego": first}), stamp, stamp + 0.01).safe
+    ego = {**first, "x": float(x), "v": float(v)}
+    decision = pair.step(Cycle(1, float(seen), None, plan, {"ego": ego}), seen, seen + 0.01)
+    assert decision.lost == expected
+    assert (decision.driven is None) == bool(expected)
+    if not expected:  # from the last sample on that is due
+        stepper = pair.c.stepper
+        assert isinstance(stepper, Stepper)
+        assert stepper.last().first == max(i for i, t in enumerate(times) if t + stamp <= seen)
