@@ -32,7 +32,7 @@ from trackmarshal.process.client import Block, Border, Client
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import Kind, LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
-from trackmarshal.process.shared_memory import SharedMemory
+from trackmarshal.process.shared_memory import Region, SharedMemory
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.faults import name_of
@@ -1006,6 +1006,80 @@ def test_files_of_shared_memory_have_their_room_from_the_start(tmp_path: Path) -
     for file in program.layout.said["memory"]["files"]:
         about = os.stat(f"{name}.{file['name']}")
         assert about.st_size == file["size"] <= about.st_blocks * 512
+
+
+def mailboxes(folder: Path) -> tuple[Region, Region]:
+    """What a Supervisor of the shipped spec makes for cycles, opened by who writes there and by who reads."""
+    layout = built().layout
+    memory = layout.said["memory"]
+    size = next(file["size"] for file in memory["files"] if file["name"] == "cycles")
+    begin = struct.pack("<IIQQ", memory["magic"], memory["version"], layout.fingerprint, size)
+    (folder / "one").write_bytes(begin.ljust(size, b"\0"))
+    writing, reading = (Region(layout, "cycles", str(folder / "one"), own) for own in (True, False))
+    return writing, reading
+
+
+class Slots:
+    """Words of a slot, of which one changes once its turn was looked at: a writer that is faster than its reader."""
+
+    def __init__(self, words: Any, place: int, turn: int) -> None:
+        self.words, self.place, self.turns = words, place, [turn]
+
+    def __getitem__(self, place: int) -> int:
+        return self.turns.pop() if place == self.place and self.turns else int(self.words[place])
+
+
+class Written:
+    """Memory that tells when it is written into."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self.tell = tell
+
+    def __setitem__(self, place: slice, value: Any) -> None:
+        self.tell()
+
+    def release(self) -> None:
+        pass
+
+
+def test_a_slot_that_is_written_while_it_is_read_is_not_taken(tmp_path: Path) -> None:
+    """Not what was whole before and is not any more, nor what is not whole yet; it is not looked at again until another one comes."""
+    writing, reading = mailboxes(tmp_path)
+    box = reading._boxes["tick"]
+    length = reading._lengths[box["message"]]
+    writing.put("tick", bytearray(b"a" * length))
+    assert reading.get("tick", 0) == (1, b"a" * length)
+    assert reading.get("tick", 1) == (1, None)
+    place, words = (box["first"] + box["step"]) // 8, reading._words
+    for turn in (1, 2 * box["slots"] + 1):  # for the first time, or by one that is a round ahead
+        writing._words[place] = turn
+        assert reading.get("tick", 0) == (1, None)
+        reading._words = Slots(words, place, 2)  # type: ignore[assignment]
+        assert reading.get("tick", 0) == (1, None)
+        reading._words = words
+    following, seen = (box["first"] + 2 % box["slots"] * box["step"]) // 8, list[int]()
+    into = writing._bytes
+    writing._bytes = Written(lambda: seen.append(writing._words[following]))  # type: ignore[assignment]
+    writing.put("tick", bytearray(b"b" * length))
+    writing._bytes = into
+    assert seen == [3]  # odd: message 2 is being written
+    writing.close()
+    reading.close()
+
+
+def test_the_bell_begins_anew(tmp_path: Path) -> None:
+    """After 2^32 messages, in 32 bits: 7 years of 20 cycles a second."""
+    writing, reading = mailboxes(tmp_path)
+    length = reading._lengths[reading._boxes["tick"]["message"]]
+    writing._halves[writing._bell] = 0xFFFF_FFFF
+    heard = reading.heard
+    writing.put("tick", bytearray(length))
+    assert (heard, reading.heard) == (0xFFFF_FFFF, 0)
+    begin = time.monotonic()
+    reading.wait(heard, 60.0)  # it has rung
+    assert time.monotonic() - begin < PATIENCE
+    writing.close()
+    reading.close()
 
 
 def test_shared_memory_without_room_says_why(tmp_path: Path) -> None:
