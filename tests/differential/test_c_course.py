@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 from typing import Any
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from property.test_course import PLACES, SIGNALS, Cycle, cycles, formulas, text
 from support.length import AT_LENGTH
+from trackmarshal.backends.c import program
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator, loads
 
@@ -24,6 +26,15 @@ OTHERS = ("reference", "numpy")
 _SETTINGS = settings(
     derandomize=not AT_LENGTH, max_examples=EXAMPLES, deadline=None, suppress_health_check=list(HealthCheck), phases=[Phase.explicit, Phase.generate],
 )  # fmt: skip
+
+
+class Used(program.Library):
+    """A context in memory that is full of something."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        ctypes.memset(self.context, 1, self.dll.tmg_size())
+        self.status = self.dll.tmg_init(self.context)
 
 
 def exact(margin: float) -> str:
@@ -68,6 +79,18 @@ def test_along_a_course(drawn: list[tuple[str, Any]], runs: list[list[Cycle]]) -
         evaluator = Evaluator(spec, backend=other)
         for run in runs:
             assert said(evaluator, run) == said(generated, run), other
+
+
+def test_a_context_of_whatever_begins_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`tm_init` begins a run in memory that another one has used, or that was never zeroed: nothing of it is part of the course."""
+    spec = loads(
+        f'{SIGNALS}rule f "x"\n  along driven as c\n  whenever c.v > -9 m/s\n  require once[0 s, 0.4 s] c.v > 1 m/s\n'
+    )
+    plan = ((0, 0.0, True), (200, 2.0, True), (400, 0.0, True))
+    run = [Cycle(at, 0, 0.0, True, True, plan) for at in (0, 100, 200)]
+    fresh = said(Evaluator(spec, backend="c"), run)
+    monkeypatch.setattr(program, "Library", Used)
+    assert said(Evaluator(spec, backend="c"), run) == fresh == said(Evaluator(spec, backend="numpy"), run)
 
 
 @pytest.mark.acceptance  # the other one draws as many specs
