@@ -10,7 +10,9 @@ import pytest
 import trackmarshal as tm
 from support.processes import PATIENCE, Served
 from trackmarshal.process.client import Client
+from trackmarshal.process.messages import LinkError
 from trackmarshal.process.serving import build
+from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.faults import name_of
 
@@ -18,12 +20,12 @@ pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compile
 SPEC = """module m
 signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
 signal ego : state { x: m, y: m, heading: rad, v: m/s, lit: bool }
-signal objects : set of object { x: m, v: m/s } capacity 4
+signal objects : set of object { x: m, v: m/s, shy: bool default false } capacity 4
 event yellow "a yellow flag is shown"
 rule calm "" require not yellow or ego.lit or ego.v < 30 m/s
 rule room ""
   for all o in objects
-  require once[0 s, 1 s] (o.x - ego.x > 0 m or o.v >= 0 m/s)
+  require once[0 s, 1 s] (o.x - ego.x > 0 m or o.v >= 0 m/s or o.shy)
 """
 COLUMN = {
     "t": [0.0, 0.4, 2.0],
@@ -91,3 +93,46 @@ def test_when_samples_are_due(served: Served) -> None:
     for which in ("driving", "fallback"):
         count = said[f"{which}/count"]
         assert list(said[f"{which}/due"][:count]) == [t + 99.95 for t in COLUMN["t"]]
+
+
+@pytest.mark.parametrize(
+    "objects",
+    [
+        {"x": [], "v": [1.0, 2.0]}, {"x": [50.0, 60.0], "v": []}, {"x": [], "v": []}, {"id": [], "x": [50.0], "v": [1.0]}, {"id": [7]}, {},
+        {"shy": []}, {"x": [50.0, 60.0], "v": None}, {"x": None, "v": None}, {"id": [], "x": [], "v": None}, {"id": [], "x": [], "v": []},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_columns_of_different_lengths_are_not_safe(objects: dict[str, Any], served: Served) -> None:
+    """Of a column without elements beside one with some, elements at x = 0 were made, or none at all."""
+    given = {**GIVEN, "objects": {**GIVEN["objects"], **objects}}
+    driving, emergency = given.pop("driving"), given.pop("emergency")
+    client = Client(served.program.layout, served.channel(), lambda: 0.0)
+    local = tm.supervisor(tm.loads(SPEC), backend="numpy", clock=lambda: 0.0)
+    expected = local.step(Cycle(0, 0.0, driving, emergency, given))
+    try:
+        sent = client.send(0, 0.0, driving, emergency, given)
+    except LinkError:
+        assert "wrong_length" in map(name_of, expected.faults)
+    else:
+        said = client.answer(sent, PATIENCE)
+        assert said is not None
+        assert bool(said["safe"]) == expected.safe
+    client.close()
+
+
+@pytest.mark.parametrize(("lit", "ids"), [(True, [7, 8]), (False, [7, 8]), (None, [7, 8]), (True, [])])
+def test_what_passed_the_door_of_this_process(lit: bool | None, ids: list[int], served: Served) -> None:
+    """Frames have flags as numbers, which are none to a client, and sets without elements, to which no id belongs: both are sent."""
+    spec = tm.loads(SPEC)
+    objects = {name: column[: len(ids)] for name, column in GIVEN["objects"].items()}
+    given = {**GIVEN, "ego": {**GIVEN["ego"], "lit": lit, "v": 40.0}, "objects": objects, "yellow": True}
+    driving, emergency = given.pop("driving"), given.pop("emergency")
+    client = Client(served.program.layout, served.channel(), lambda: 0.0)
+    remote = RemoteSupervisor(spec, spec.rules, client, clock=lambda: 0.0, patience=PATIENCE)
+    local = tm.supervisor(spec, backend="numpy", clock=lambda: 0.0)
+    cycle = Cycle(0, 0.0, driving, emergency, given)
+    said, expected = (supervisor.step(cycle) for supervisor in (remote, local))
+    assert said.faults == expected.faults
+    assert (said.safe, expected.safe) == (lit is True, lit is True)
+    remote.close()

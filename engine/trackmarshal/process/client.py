@@ -94,6 +94,7 @@ class _Group:
     """A signal or candidate as a cycle's message has it: its columns, or the entries of its lines."""
 
     def __init__(self, name: str, kind: Kind, lines: list[str]) -> None:
+        self.name = name
         self.lines = lines
         self.closed = f"{name}/closed" in kind.entries
         self.record = f"{name}/count" not in kind.entries
@@ -128,9 +129,11 @@ class _Group:
                 _look_at_line(line, given)
 
     def length(self, value: Mapping[str, Any]) -> int:
-        """Of the columns that are there."""
+        """Of the columns that are there; of none, how many ids there are."""
         given = ((value.get(field), entry) for field, entry in self.columns)
-        return max((length_of(one, entry.name) for one, entry in given if one is not None), default=0)
+        ids = value.get("id")
+        alone = 0 if ids is None else length_of(ids, f"{self.name}.id")
+        return max((length_of(one, entry.name) for one, entry in given if one is not None), default=alone)
 
 
 def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
@@ -282,9 +285,10 @@ class Client:
         if isinstance(value, Block):
             count = value.write(message, known.columns)
             kind.put(message, f"{group}/count", count)
-            self._name(message, group, value.ids if len(value.ids) else None, count)
+            self._name(message, group, value.ids if len(value.ids) == count else None, count)
             return ()
         absent, missing = 0, list[str]()
+        # None before the first column: one without elements has a length, as any other, and what else came is not as long.
         length: int | None = None
         for place, (field, entry) in enumerate(known.columns):
             column = value.get(field, _LEFT_OUT)
@@ -323,6 +327,8 @@ class Client:
         elif length_of(ids, entry.name) == count:
             kind.put(message, f"{group}/named", 1)
             kind.set(message, entry, ids)
+        elif count == 0:  # whoever they are of would not be there at all
+            raise LinkError(f"the columns of `{group}` have different lengths")
 
     def _lines(self, signals: Mapping[str, Any]) -> dict[str, int]:
         """The versions of all lines by their entries; those that are new are sent."""

@@ -206,14 +206,15 @@ class _Points(Border):
 
 
 def _columns(columns: Columns | None, record: bool) -> dict[str, Any] | _Matrix | None:
-    """Columns as a client takes them; of a record its numbers."""
+    """Columns as a client takes them; of a record its numbers and flags."""
     if columns is None:
         return None
     if not record:
         return _Matrix(columns)
     found: dict[str, Any] = dict(zip(columns.names.numbers, columns.values[:, 0].tolist()))
     if columns.flags is not None:
-        found |= dict(zip(columns.names.flags, columns.flags[:, 0].tolist()))
+        flags = (None if flag < 0 else flag == 1 for flag in columns.flags[:, 0].tolist())
+        found |= dict(zip(columns.names.flags, flags))
     return found
 
 
