@@ -129,7 +129,7 @@ def test_what_passed_the_door_of_this_process(lit: bool | None, ids: list[int], 
     given = {**GIVEN, "ego": {**GIVEN["ego"], "lit": lit, "v": 40.0}, "objects": objects, "yellow": True}
     driving, emergency = given.pop("driving"), given.pop("emergency")
     client = Client(served.program.layout, served.channel(), lambda: 0.0)
-    remote = RemoteSupervisor(spec, spec.rules, client, clock=lambda: 0.0, patience=PATIENCE)
+    remote = RemoteSupervisor(spec, list(spec.rules), client, clock=lambda: 0.0, patience=PATIENCE)
     local = tm.supervisor(spec, backend="numpy", clock=lambda: 0.0)
     cycle = Cycle(0, 0.0, driving, emergency, given)
     said, expected = (supervisor.step(cycle) for supervisor in (remote, local))
