@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -505,7 +506,13 @@ def test_an_open_road_has_both_ends(tmp_path: Path) -> None:
 def test_the_command_writes_a_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "free_lap.tmrec.jsonl"
     assert command.main([str(FREE_LAP), str(target)]) == 0
-    assert scenarios.load(target) == made(FREE_LAP)
+    written, generated = scenarios.load(target), made(FREE_LAP)
+    assert replace(written, use=()) == replace(generated, use=())
+    used = [
+        [(at.parent / name).resolve() for name in one.use]
+        for at, one in ((target, written), (FREE_LAP, generated))
+    ]
+    assert used[0] == used[1] != []
     assert command.main([str(FREE_LAP)]) == 2
     assert command.main([str(tmp_path / "none.yaml"), str(target)]) == 2
     assert "D120" in capsys.readouterr().err
