@@ -85,14 +85,14 @@ def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_
     """The limits that a spec declares, as parameters in settings have them, with some changed by name; raises E481 or E485, and E403 where
     they break a constraint of the spec."""
     given = Limits.given(spec, settings.params)
-    for name in given.keys() & changes.keys():
-        if given[name] != changes[name]:
+    held = Limits.of(spec, **{**given, **changes})
+    for name, value in given.items():
+        if getattr(held, name) != value:
             raise TrackmarshalError(
                 "E481",
-                f"the limit `{name}` is {changes[name]!r:.40}, and {given[name]!r} by the parameter that declares it",
+                f"the limit `{name}` is {changes[name]!r:.40}, and {value!r} by the parameter that declares it",
                 help="give one of them, or both alike",
             )
-    held = Limits.of(spec, **{**given, **changes})
     with_limits(spec, held, settings, named=changes)
     return held
 

@@ -18,8 +18,6 @@ from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, war
 from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.values import Placed
 
-#: In so many bytes at its beginning, a file of records says what it is.
-_HEAD = 200
 _BY_TESTS = "run its tests again, with `pytest --trackmarshal-results`; they count for nothing as it is"
 #: What a test came to that passed with another version of its file.
 STALE = "stale"
@@ -151,9 +149,9 @@ def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
 
 
 def _records(path: Path) -> bool:
-    """Whether a file among reports is one of ours, which says so at its beginning, whole or broken off: runners leave other JSON there."""
+    """Whether a file among reports is one of ours, whole or broken off, whatever comes first in it: runners leave other JSON there."""
     try:
-        return records.FORMAT.encode() in read_regular(path, _HEAD)
+        return records.FORMAT.encode() in read_regular(path, records.MAX_BYTES)
     except OSError:
         return True  # it may be, and reading it says why it cannot be read
 
