@@ -336,6 +336,11 @@ def test_mcap(tmp_path: Path) -> None:
     found = log.read(mapping.read(where), written(100.0))
     assert len(found.t) == len(CLEAN["time"])
     assert found.v == pytest.approx(CLEAN["v"], abs=1.5 / 10 + 1e-9)
+    assert found.left_out == ""
+    late = log.read(mapping.read(where), written(-0.5))  # the wheel comes with the seventh of the other
+    assert late.origin == pytest.approx(0.6)
+    assert len(late.t) == len(CLEAN["time"]) - 6
+    assert late.left_out == "its first 0.600 s, 6 messages of `/odom`, are left out: nothing of `/wheel` yet"
     for silent, encoding, code, said in (
         (10.0, "json", "D171", "nothing of `/wheel`"),
         (100.0, "cdr", "D174", "`cdr`"),

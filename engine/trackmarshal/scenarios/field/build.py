@@ -214,6 +214,7 @@ def _notes(mapping: Mapping, log: Log, noise: Noise, motion: Motion, name: str, 
     fits = ", ".join(f"{key} {value:.3g}" for key, value in motion.innovations.items())
     return [
         f"log {Path(log.path).name}, sha256 {log.sha256}, its time 0 at {log.origin:.6f} s",
+        *([f"of the log, {log.left_out}"] if log.left_out else []),
         f"{count} cycles at {mapping.rate:g} Hz; the driving trajectory is what was driven in the next {mapping.horizon:g} s, "
         f"a sample every {mapping.step:g} s",
         f"the emergency trajectory brakes to rest on the same path with {100 * mapping.share:g} % of the friction limit of {Path(mapping.vehicle).stem}",

@@ -35,7 +35,8 @@ MOVING = 2.0
 @dataclass(frozen=True, slots=True)
 class Log:
     """(n,) float64 in SI: time from the first row (which was at `origin`), place of the vehicle's middle, heading 0 along +x and
-    counter-clockwise positive in (-pi, pi], speed, and yaw rate where there is one. `path` is where it lies, `sha256` its bytes."""
+    counter-clockwise positive in (-pi, pi], speed, and yaw rate where there is one. `path` is where it lies, `sha256` its bytes, `left_out` what of
+    its beginning is no row."""
 
     t: Floats
     x: Floats
@@ -46,6 +47,7 @@ class Log:
     origin: float
     path: str
     sha256: str
+    left_out: str = ""
 
 
 def find(mapping: Mapping, named: Named) -> Path:
@@ -60,8 +62,9 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
     data = content.gunzip(raw, shown) if raw.startswith(b"\x1f\x8b") else raw
     from trackmarshal.scenarios.field import mcap_log
 
+    left_out = ""
     if data.startswith(mcap_log.MAGIC):
-        columns, lines = mcap_log.read(data, shown, mapping.columns, mapping.hold)
+        columns, lines, left_out = mcap_log.read(data, shown, mapping.columns, mapping.hold)
     elif data.startswith(tuple(_OTHERS)):
         kind = next(kind for begin, kind in _OTHERS.items() if data.startswith(begin))
         raise TrackmarshalError(
@@ -80,7 +83,16 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
     rate = mapping.heading_sign * si["yaw_rate"] if "yaw_rate" in si else None
     x, y = si["x"] + mapping.forward * np.cos(heading), si["y"] + mapping.forward * np.sin(heading)
     log = Log(
-        si["t"] - origin, x, y, heading, si["v"], rate, origin, str(path), hashlib.sha256(raw).hexdigest()
+        si["t"] - origin,
+        x,
+        y,
+        heading,
+        si["v"],
+        rate,
+        origin,
+        str(path),
+        hashlib.sha256(raw).hexdigest(),
+        left_out,
     )
     _fits(log, shown)
     return log

@@ -23,8 +23,8 @@ LOG_TIME = "log_time"
 
 def read(
     data: bytes, shown: str, columns: AnyMapping[str, Column], hold: float
-) -> tuple[dict[str, Floats], NDArray[np.int64]]:
-    """(rows,) of each column, and which message of its topic each row is, from 1.
+) -> tuple[dict[str, Floats], NDArray[np.int64], str]:
+    """(rows,) of each column, which message of its topic each row is, from 1, and what of the beginning is no row; empty: nothing.
 
     A column is `/topic.field.field`; a row is a message of the topic of `t`, and columns of other topics are what they said last, at most `hold`
     seconds of the log's own time before. Raises E484 without the package `mcap`, D170, D171 and D174.
@@ -44,6 +44,9 @@ def read(
     counts: list[int] = []
     topics: set[str] = set()
     number = 0
+    early: list[int] = []  #: ns: messages of `base` before all other topics had come
+    late: set[str] = set()
+    began = 0  #: ns: the first row
     try:
         reader = make_reader(io.BytesIO(data), validate_crcs=True)
         summary = reader.get_summary()
@@ -63,18 +66,22 @@ def read(
             latest[channel.topic] = message.log_time, _parsed(message.data, channel.topic, number, shown)
             if channel.topic != base:
                 continue
-            if set(latest) != wanted or any(message.log_time - at > hold * 1e9 for at, _ in latest.values()):
+            silent = sorted(
+                t for t in wanted if t not in latest or message.log_time - latest[t][0] > hold * 1e9
+            )
+            if silent:
                 if rows:
-                    silent = sorted(
-                        t for t in wanted if t not in latest or message.log_time - latest[t][0] > hold * 1e9
-                    )
                     raise _wrong(
                         f"nothing of `{silent[0]}` for more than {hold:g} s",
                         shown,
                         number,
                         "`hold` says how long it may be silent",
                     )
+                early.append(message.log_time)
+                late.update(silent)
                 continue
+            if not rows:
+                began = message.log_time
             rows.append([_value(latest[topic], way, topic, shown, number) for topic, way in ways.values()])
             counts.append(number)
     except TrackmarshalError:
@@ -109,7 +116,15 @@ def read(
             help="are the topics there at one time?",
         )
     table = np.array(rows, dtype=np.float64)
-    return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(counts)
+    left_out = ""
+    if early:
+        waited = ", ".join(f"`{topic}`" for topic in sorted(late))
+        left_out = f"its first {(began - early[0]) / 1e9:.3f} s, {len(early)} messages of `{base}`, are left out: nothing of {waited} yet"
+    return (
+        {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)},
+        np.array(counts),
+        left_out,
+    )
 
 
 def _way(column: Column, name: str, shown: str) -> tuple[str, tuple[str, ...]]:
