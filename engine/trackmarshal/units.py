@@ -25,7 +25,8 @@ def over(a: Dimension, b: Dimension) -> Dimension:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-def power(a: Dimension, n: Fraction) -> Dimension:
+@lru_cache(maxsize=1024)
+def power(a: Dimension, n: int | Fraction) -> Dimension:
     x, y, z = (exponent * n for exponent in a)
     return (_whole(x), _whole(y), _whole(z))
 
@@ -181,6 +182,7 @@ def moment(t: float) -> str:
     return f"{t:.6g}" if abs(t) < 1e5 else f"{t:.13g}"
 
 
+@lru_cache(maxsize=1024)
 def show(dimension: Dimension) -> str:
     """The SI unit of a dimension, as a rule author would write it."""
     if dimension in _NAMED:
@@ -200,6 +202,7 @@ def _factor(name: str, exponent: int | Fraction) -> str:
     return f"{name}^{exponent}" if exponent.denominator == 1 else f"{name}^({exponent})"
 
 
+@lru_cache(maxsize=1024)
 def parse_shown(text: str) -> Dimension:
     """The dimension that `show` gave a text for; raises ValueError for any other text."""
     dimension, sign = NUMBER, 1

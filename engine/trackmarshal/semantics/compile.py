@@ -32,7 +32,7 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.again import Before
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.causes import told_once
-from trackmarshal.semantics.constants import constant_value, literal_problem, settled
+from trackmarshal.semantics.constants import constant_value, literal, settled
 from trackmarshal.semantics.courses import check_course
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
@@ -65,7 +65,7 @@ from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.errors import UnknownUnit
 from trackmarshal.syntax.foreign_units import unit_hint
 from trackmarshal.typed import Symbol
-from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, show, to_si
+from trackmarshal.units import NUMBER, Dimension, digits, in_full, name, parse_unit, quantity, show
 
 T = TypeVar("T", bound=ast.Item)
 
@@ -425,10 +425,10 @@ class _Compiler:
             self.x.fail(
                 WrongDimension(expr.span, None, "this value", quantity(dimension), quantity(own), hint)
             )
-        problem = literal_problem(expr.text, expr.unit or unit)
+        value, problem = literal(expr.text, expr.unit or unit)
         if problem:
             self.x.fail(BadValue(expr.span, problem, None, "is an exponent or a unit wrong?"))
-        return to_si(float(expr.text), expr.unit or unit)
+        return value
 
     def _courses(self, module: str) -> None:
         for item in self._own(module, ast.Course):

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
 from trackmarshal.units import to_si
 
 
-def literal_problem(text: str, unit: str) -> str:
-    """Why digits in a unit have no value that a double can hold; empty where they have one."""
+@lru_cache(maxsize=4096)
+def literal(text: str, unit: str) -> tuple[float, str]:
+    """Digits in a unit in SI, and why they have no value that a double can hold; empty where they have one."""
     value = to_si(float(text), unit)
     if not math.isfinite(value):
-        return "this number is too large for a double (about 1.8e308 in SI units)"
+        return value, "this number is too large for a double (about 1.8e308 in SI units)"
     if value == 0.0 and any(digit in "123456789" for digit in text.lower().partition("e")[0]):
-        return "this number is too small for a double: it would become 0"
-    return ""
+        return value, "this number is too small for a double: it would become 0"
+    return value, ""
 
 
 #: What the formula of a `constrain` may be made of: everything that parameters and tables decide.
@@ -41,4 +43,4 @@ def settled(formula: ir.Formula) -> bool:
     return all(isinstance(node, _SETTLED) for node in ir.below(formula))
 
 
-__all__ = ["constant_value", "literal_problem", "settled"]
+__all__ = ["constant_value", "literal", "settled"]

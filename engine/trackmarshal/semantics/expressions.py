@@ -14,7 +14,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
 from trackmarshal.semantics.advice import Advice, ends_early, goes_on, joins_conditions
 from trackmarshal.semantics.bounds import Bounds
-from trackmarshal.semantics.constants import literal_problem
+from trackmarshal.semantics.constants import literal
 from trackmarshal.semantics.errors import (
     BadValue,
     DimensionMismatch,
@@ -54,7 +54,6 @@ from trackmarshal.units import (
     quantity,
     show,
     times,
-    to_si,
 )
 
 
@@ -196,20 +195,21 @@ class Expressions:
 
     def value(self, expr: ast.Expr, ctx: Context) -> typed.Value:
         span = _span(expr)
-        match expr:
-            case ast.Number():
-                problem = literal_problem(expr.text, expr.unit or "1")
-                if problem:
-                    self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
-                value = to_si(float(expr.text), expr.unit or "1")
-                dimension, unit = parse_unit(expr.unit or "1")[2], own_unit(expr.unit)
-                return typed.Literally(dimension, unit, expr.text, expr.unit, value, span)
-            case ast.Boolean():
-                return typed.Boolean(expr.value, span)
+        match expr:  # the most frequent ones first
             case ast.Name():
                 return self._name(expr, ctx)
             case ast.Attribute():
                 return self._attribute(expr, ctx)
+            case ast.Binary():
+                return self._binary(expr, ctx)
+            case ast.Number():
+                value, problem = literal(expr.text, expr.unit or "1")
+                if problem:
+                    self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
+                dimension, unit = parse_unit(expr.unit or "1")[2], own_unit(expr.unit)
+                return typed.Literally(dimension, unit, expr.text, expr.unit, value, span)
+            case ast.Boolean():
+                return typed.Boolean(expr.value, span)
             case ast.Call() if expr.function == states.TIME_IN:
                 return states.time_in(expr, self, ctx)
             case ast.Call():
@@ -225,8 +225,6 @@ class Expressions:
                     return typed.Not(self.formula(expr.operand, ctx), span)
                 operand = self.number(expr.operand, ctx)
                 return typed.Negative(operand.dimension, operand.written, operand, span)
-            case ast.Binary():
-                return self._binary(expr, ctx)
             case ast.IfElse():
                 return self._if_else(expr, ctx)
             case ast.Within():
@@ -599,7 +597,7 @@ class Expressions:
             )
         constant, whole = typed.literal(exponent), typed.whole_exponent(exponent)
         if whole is not None:
-            return typed.Power(power(base.dimension, Fraction(whole)), "", base, exponent, expr.span)
+            return typed.Power(power(base.dimension, whole), "", base, exponent, expr.span)
         if base.dimension != NUMBER:
             hint = (
                 "use sqrt(...) for a root"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, NoReturn
+from weakref import WeakKeyDictionary
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
@@ -608,7 +609,7 @@ class _Preparation:
         if expect.at is None or expect.binder is None:
             return None
         if rule is not None and rule.formula is not None:
-            variables = dict.fromkeys(_variables(rule.formula))
+            variables = _variables(rule.formula)
             if expect.binder not in variables:
                 hint = close_matches(expect.binder, variables) or (
                     "it has " + ", ".join(variables) if variables else "it has none"
@@ -660,12 +661,22 @@ _HOW = {
 }
 
 
-def _variables(formula: ir.Formula) -> Iterable[str]:
-    for node in ir.below(formula):
-        if isinstance(node, ir.Quantify):
-            yield from node.names
-        elif isinstance(node, ir.At):
-            yield node.name
+#: By formula: a rule has many tests.
+_VARIABLES: WeakKeyDictionary[ir.IR, tuple[str, ...]] = WeakKeyDictionary()
+
+
+def _variables(formula: ir.Formula) -> tuple[str, ...]:
+    """What a formula binds, in order, each once."""
+    known = _VARIABLES.get(formula)
+    if known is None:
+        names: dict[str, None] = {}
+        for node in ir.below(formula):
+            if isinstance(node, ir.Quantify):
+                names.update(dict.fromkeys(node.names))
+            elif isinstance(node, ir.At):
+                names[node.name] = None
+        known = _VARIABLES[formula] = tuple(names)
+    return known
 
 
 def _index(text: str) -> int | None:

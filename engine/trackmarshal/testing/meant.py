@@ -6,7 +6,7 @@ Its numbers are those in SI that definitions come to. A parameter stands by its 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
@@ -35,7 +35,7 @@ class Meant:
         """Note what is given under a name, as it is called everywhere."""
         self._names[id(given)] = full
 
-    def text(self, test: ast.Test, variables: Iterable[str], unit: str | None) -> str:
+    def text(self, test: ast.Test, variables: Sequence[str], unit: str | None) -> str:
         """The whole test; variables: those of its rule in their order, by which the one is told that `at` names; unit: that of the expected margin."""
         cycles: list[tuple[str, Mapping[str, object]]] = []
         after, given = "", dict[str, object]()
@@ -53,8 +53,7 @@ class Meant:
         expect = test.expect
         margin = None if expect.margin is None else (self._of(expect.margin), unit)
         tolerance = None if expect.tolerance is None or margin is None else self._of(expect.tolerance)
-        order = list(dict.fromkeys(variables))
-        which = order.index(expect.binder) if expect.binder in order else expect.binder
+        which = variables.index(expect.binder) if expect.binder in variables else expect.binder
         place = expect.at if expect.at is None or expect.at.startswith('"') else float(expect.at)
         return repr(
             (
