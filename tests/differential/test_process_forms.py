@@ -318,6 +318,7 @@ int main(void) {
   static tml_message heard;
   static const double points[6] = {0.0, 1.0, 2.0, 3.0, 4.0, 5.0};
   tm_in_stop stop = {{points, 2u, 7u}};
+  static const tm_fault nameless[1] = {{TM_FAULT_NONE, NULL, NULL, 3u}};
   tm_cycle cycle;
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_DGRAM, 0, ends) != 0) { return 1; }
@@ -328,11 +329,13 @@ int main(void) {
   (void)memset(&cycle, 0, sizeof(cycle));
   cycle.came = true;
   cycle.signals.stop = &stop;
-  for (size_t k = 0u; k < 3u; ++k) {
+  for (size_t k = 0u; k < 4u; ++k) {
     if (k == 1u) { stop.line.count = 3u; }
     if (k == 2u) { cycle.found_count = 2u; }
+    if (k == 3u) { cycle.found = nameless; cycle.found_count = 1u; }
     (void)tml_client_send(&client, &cycle);
     while (recv(ends[1], heard.bytes, sizeof(heard.bytes), MSG_DONTWAIT) > 0) {
+      if (tml_sound(&heard) != TML_CAUSE_NONE) { return 1; }
       if (heard.head.kind == TML_LINE) { (void)printf("line of %d\\n", (int)heard.line.count); }
       if (heard.head.kind == TML_CYCLE) { (void)printf("cycle, %d found\\n", (int)heard.cycle.found_count); }
     }
@@ -344,11 +347,12 @@ int main(void) {
 
 @pytest.mark.acceptance
 def test_what_a_client_in_c_sends(tmp_path: Path) -> None:
-    """A line with the id of the one before and another count is another one, as to `tm_step`, and so are faults that are not there a fault."""
+    """A line with the id of the one before and another count is another one, as to `tm_step`, and so are faults that are not there a fault, and
+    one without a name: the process would have said nothing of its cycle."""
     (tmp_path / "m.spec").write_text(SPEC, encoding="utf-8")
     assert main(["compile", str(tmp_path / "m.spec"), "--process", "--out", str(tmp_path)]) == 0
     (tmp_path / "sending.c").write_text(SENDING, encoding="utf-8")
     sources = [str(tmp_path / f"{name}.c") for name in ("sending", "client", "messages", "mailbox")]
     subprocess.run(["cc", "-Werror", "-O0", *sources, "-o", str(tmp_path / "sending"), "-lm"], check=True)
     done = subprocess.run([str(tmp_path / "sending")], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["line of 2", "cycle, 0 found", "line of 3", "cycle, 0 found", "cycle, 1 found"]  # fmt: skip
+    assert done.stdout.splitlines() == ["line of 2", "cycle, 0 found", "line of 3", "cycle, 0 found", "cycle, 1 found", "cycle, 1 found"]  # fmt: skip
