@@ -712,8 +712,8 @@ def configure(spec: Spec, settings: Spec) -> Spec:
         ("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)
     )  # fmt: skip
     for kind, target, source in kinds:
-        for name, info in source.items():
-            _replace(kind, target, name, info)
+        for info in source.values():
+            _replace(kind, target, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
         digest.update(repr(setting).encode())
@@ -743,7 +743,7 @@ def _ways(info: TableInfo) -> list[Any]:
     return [(way.steps, way.clamped, way.length > 0.0, dimension) for way, dimension in axes]
 
 
-def _replace(kind: str, target: dict[str, Any], name: str, info: ParamInfo | TableInfo | PlaceInfo) -> None:
+def _replace(kind: str, target: dict[str, Any], info: ParamInfo | TableInfo | PlaceInfo) -> None:
     from trackmarshal.units import parse_unit
 
     short = short_name(info)

@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     process: dict[str, str] = {}
     capacities = None
     if args.process:
-        process, capacities = _process(source, args, evaluator)
+        process, capacities = _process(source, args)
     elif args.limit:
         raise TrackmarshalError(
             "E481", "limits are compiled in with --process only", help="call tm_configure, or add --process"
@@ -141,9 +141,7 @@ _TAKEN = (
 )
 
 
-def _process(
-    source: Source, args: argparse.Namespace, evaluator: Evaluator
-) -> tuple[dict[str, str], dict[str, int]]:
+def _process(source: Source, args: argparse.Namespace) -> tuple[dict[str, str], dict[str, int]]:
     """The files of the Supervisor as a process, Python's among them, and its capacities by macro."""
     from dataclasses import asdict
 

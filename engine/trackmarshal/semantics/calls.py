@@ -101,7 +101,7 @@ def call(
             return _numeric(self, function, args, span, ctx)
         if function in _SPECIAL:
             return _special(self, function, args, span, ctx)
-    at = _name_of_call(function, args, span)
+    at = _name_of_call(args, span)
     found, item = _declared(self, function, args, at, ctx)
     comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
     if isinstance(item, ast.Define):
@@ -160,7 +160,7 @@ def _declared(
         raise
 
 
-def _name_of_call(function: str, args: tuple[ast.Expr, ...], span: Span) -> Span:
+def _name_of_call(args: tuple[ast.Expr, ...], span: Span) -> Span:
     """Where the name stands in `f(a, b)` and in `a f b`."""
     start = span.start
     if args and args[0].__dict__["span"].start == start:
@@ -317,7 +317,7 @@ def _numeric(
         of_many = f"of many it is written `{function}(p.v for p in plan)`" if more and len(args) == 1 else ""
         self.found.append(
             WrongArity(
-                _name_of_call(function, args, span),
+                _name_of_call(args, span),
                 function,
                 least + counted(wanted),
                 given(len(args)),
@@ -386,7 +386,7 @@ def _special(
     counts, wanted = _SPECIAL[function]
     fits = len(args) in counts
     if not fits:
-        at = _name_of_call(function, args, span)
+        at = _name_of_call(args, span)
         comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
         self.found.append(WrongArity(at, function, wanted, given(len(args)), None, comma))
     if function in typed.EDGES:

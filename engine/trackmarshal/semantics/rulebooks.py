@@ -132,11 +132,11 @@ class Rulebooks:
             if circle:
                 self._found.append(_contradicts(circle, item))
             elif item.base.how == "refines":
-                self._keeps(item, item.base, known, places, (*inherited, *own))
+                self._keeps(item.base, known, places, (*inherited, *own))
         return _Book(rules, (*inherited, *own), False)
 
     def _keeps(
-        self, item: ast.Rulebook, base: ast.Base, known: Sequence[str], places: Mapping[str, Span], steps: Sequence[_Step]
+        self, base: ast.Base, known: Sequence[str], places: Mapping[str, Span], steps: Sequence[_Step]
     ) -> None:  # fmt: skip
         """A refinement keeps every preference of its base: rules that are new rank below all of that."""
         ranks = above({*known, *places}, [(step.upper, step.relation, step.lower) for step in steps])

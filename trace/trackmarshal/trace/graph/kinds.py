@@ -85,7 +85,7 @@ _MANY = {
 }  # fmt: skip
 
 
-def _listed(kind: str, said: str, field: str) -> dict[str, Said]:
+def _listed(said: str, field: str) -> dict[str, Said]:
     return {
         "twice": Said("T142", f"{{it}} lists `{{target}}` twice under `{field}`", "list it once"),
         "orphaned": Said("T205", f"{{it}} names `{{target}}` under `{field}`, but there is no such {said}",
@@ -126,8 +126,8 @@ LINKS = {
         "orphaned": Said("T201", "{it} satisfies `{target}`, which is no requirement"),
         "unwanted": Said("T203", "{it} satisfies `{target}`, which is demanded no longer", "drop the link, or the rule"),
     }),
-    "metrics": LinkKind("metric_of", ("requirement",), ("rule",), True, _listed("rule", "rule", "metrics")),
-    "assumptions": LinkKind("assumed_for", ("requirement",), ("assumption",), True, _listed("assumption", "assumption", "assumptions")),
+    "metrics": LinkKind("metric_of", ("requirement",), ("rule",), True, _listed("rule", "metrics")),
+    "assumptions": LinkKind("assumed_for", ("requirement",), ("assumption",), True, _listed("assumption", "assumptions")),
     "assuming": LinkKind("assumed_by", ("rule", "assumption"), ("assumption",), True, {
         "orphaned": Said("T204", "{it} relies on `{target}`, which is no assumption"),
         "unwanted": Said("T204", "{it} relies on `{target}`, which is no assumption"),

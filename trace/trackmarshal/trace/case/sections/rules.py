@@ -128,7 +128,7 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         ))  # fmt: skip
     for table in shown["tables"]:
         yield writing.part(
-            (*writing.line("rules.table"), Given(table["shown"])), [_grid(writing, table["rows"])], level=4
+            (*writing.line("rules.table"), Given(table["shown"])), [_grid(table["rows"])], level=4
         )
     if shown["places"]:
         places = joined(
@@ -137,7 +137,7 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         yield writing.paragraph("rules.places", places=places)
 
 
-def _grid(writing: Writing, rows: Sequence[Sequence[str]]) -> Block:
+def _grid(rows: Sequence[Sequence[str]]) -> Block:
     width = len(rows[0])
     return Table(
         tuple(rows[0]), tuple(tuple(given(cell) for cell in row) for row in rows[1:]), (1.0,) * width

@@ -45,7 +45,7 @@ def laid_out(
     answers = list(_answers(_run(_engine(), asked)))
     if len(answers) != len(pictures):
         raise _failed(f"{len(answers)} positions for {len(pictures)} pictures")
-    return [_placed(answer, content, boxes) for answer, (content, boxes) in zip(answers, pictures)]
+    return [_placed(answer, content) for answer, (content, _) in zip(answers, pictures)]
 
 
 def _engine() -> str:
@@ -164,7 +164,7 @@ def _answers(text: str) -> Iterator[list[list[str]]]:
             lines.append(words)
 
 
-def _placed(answer: list[list[str]], content: Content, boxes: Mapping[str, Box]) -> Placed:
+def _placed(answer: list[list[str]], content: Content) -> Placed:
     names = {f"n{index}": id_ for index, id_ in enumerate(content.shown)}
     links = {(link.source, link.target) for link in content.links}
     centres: dict[str, tuple[float, float]] = {}
