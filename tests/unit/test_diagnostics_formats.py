@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -167,3 +168,45 @@ def test_json_is_utf_8_whatever_the_terminal_has(
         found.append(json.loads(out.getvalue().decode("utf-8")))
     assert found[0] == found[1]
     assert found[0][0]["file"] == "größe.spec"
+
+
+@pytest.fixture(scope="module")
+def named(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A new project whose titles have letters that ASCII lacks; `other` is a stricter edit of its rule."""
+    root = tmp_path_factory.mktemp("named") / "project"
+    assert main(["init", str(root), "--quiet"]) == 0
+    spec = root / "specs" / "speed.spec"
+    spec.write_text(re.sub(r"Nobody|exactly", "Größe:", spec.read_text("utf-8")), "utf-8")
+    requirements = root / "requirements" / "requirements.yaml"
+    requirements.write_text(requirements.read_text("utf-8").replace("title: ", "title: Größe, "), "utf-8")
+    run = root / "specs" / "scenarios" / "too_fast.yaml"
+    run.write_text(run.read_text("utf-8").replace("name: too_fast", "name: größer"), "utf-8")
+    (root / "other").mkdir()
+    for path in (root / "specs").glob("*.spec"):
+        text = path.read_text("utf-8").replace("p.v <= v_event", "p.v <= 10 m/s")
+        (root / "other" / path.name).write_text(text, "utf-8")
+    return root
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("trace", "--as-is", "--format", "junit"), ("trace", "--as-is", "--format", "html"), ("trace", "--as-is", "--format", "csv"),
+        ("trace", "--as-is", "--format", "md"), ("gsn", "--format", "yaml"), ("test", "--format", "junit"), ("show", "speed_limit", "--format", "html"),
+        ("show", "speed_limit", "--draw"), ("diff", "specs/speed.spec", "other/speed.spec", "--on", "specs/scenarios/too_fast.yaml", "--format", "md"),
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_what_becomes_a_file_is_utf_8_whatever_the_terminal_has(
+    command: tuple[str, ...], named: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """JUnit's XML and a page say themselves that they are, and whoever reads the others takes it for granted."""
+    monkeypatch.chdir(named)
+    found = []
+    for encoding in ("utf-8", "cp1252"):
+        out = io.BytesIO()
+        monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(out, encoding=encoding))
+        assert main([*command]) in (0, 1)
+        found.append(out.getvalue().decode("utf-8"))
+    assert found[0] == found[1]
+    assert not found[0].isascii()

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
-from trackmarshal.cli.output import progress, say
+from trackmarshal.cli.output import plain, progress, say, write
 from trackmarshal.cli.project import MARKER, optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -73,8 +73,10 @@ def run(args: argparse.Namespace) -> int:
     made = compared(pairs, _renamed(args.renamed, pairs))
     if args.format == "json":
         print(to_json(made))
+    elif args.format == "md":
+        write("".join(f"{plain(line)}\n" for line in markdown(made)))
     else:
-        say(*(text(made) if args.format == "text" else markdown(made)))
+        say(*text(made))
     return int(not made.equal)
 
 

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.output import say
+from trackmarshal.cli.output import say, write
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import write_whole
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
         for text in made.values():
             say(*text.removesuffix("\n").split("\n"))
     else:
-        print("".join(made.values()), end="")
+        write("".join(made.values()))
     misread = [finding for finding in matrix.findings if finding.code < READ]
     for finding in (*misread, *case.findings):
         say(*str(finding).split("\n"), file=sys.stderr)

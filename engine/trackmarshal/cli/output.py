@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import os
@@ -95,6 +96,13 @@ def say(*lines: str, file: TextIO | None = None) -> None:
     """Print lines for people: the one way of text to the terminal, where every control character is escaped."""
     for line in lines:
         print(plain(line), file=file)
+
+
+def write(document: str) -> None:
+    """Print what becomes a file, which is UTF-8 whatever the terminal has: XML and pages say so themselves, and others are read so."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(encoding="utf-8", errors="backslashreplace")
+    print(document, end="")
 
 
 def _acts(char: str) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli import tests_shown
-from trackmarshal.cli.output import coloured, say, table
+from trackmarshal.cli.output import coloured, say, table, write
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
@@ -98,7 +98,7 @@ def _print(outcomes: Sequence[Outcome], covered: Sequence[Coverage], found: Sequ
         case "github":
             print(tests_shown.as_github(outcomes, covered, found, where), end="")
         case "junit":
-            print(tests_shown.as_junit(outcomes, covered, found, where), end="")
+            write(tests_shown.as_junit(outcomes, covered, found, where))
         case _:
             return False
     return True

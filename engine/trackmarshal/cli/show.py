@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
-from trackmarshal.cli.output import dump, plain, say
+from trackmarshal.cli.output import dump, plain, say, write
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
         case "html":
             from trackmarshal.reading.html import page
 
-            print("\n".join(plain(line) for line in page([sheet]).splitlines()))
+            write("".join(f"{plain(line)}\n" for line in page([sheet]).splitlines()))
         case "json":
             from trackmarshal.reading.data import data
 
@@ -128,7 +128,7 @@ def _draw(
         )  # fmt: skip
     made = picture(drawing, english(), "boundary").svg + "\n"
     if args.out is None:
-        print(made, end="")
+        write(made)
     else:
         Path(args.out).write_text(made, encoding="utf-8")
     return 0

@@ -15,7 +15,7 @@ import sys
 
 from trackmarshal.cli import against, asking, days, impact
 from trackmarshal.cli.beside import page_beside
-from trackmarshal.cli.output import say, told
+from trackmarshal.cli.output import say, told, write
 from trackmarshal.cli.places import configure_relative, shown_from
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
@@ -106,7 +106,7 @@ def _run(args: argparse.Namespace) -> int:
     if args.format in ("text", "github"):
         say(*made.removesuffix("\n").split("\n"))
     else:
-        print(made, end="")
+        write(made)
     gaps = trace.gate(matrix) if args.gate else []
     if args.gate and args.format == "text" and not args.quiet:
         print(f"gate: {told(gaps, matrix)}" if gaps else "gate: passed", file=sys.stderr)
