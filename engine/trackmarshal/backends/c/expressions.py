@@ -116,8 +116,6 @@ class Writer:
         self.times: dict[str, c.Expr] = {}
         #: Geometric predicates of which only margins below this one matter.
         self.bounds: dict[ir.IR, c.Expr] = {}
-        #: Functions of libm that the function calls.
-        self.libm: set[str] = set()
         #: Parameters of the function that it reads.
         self.reads: set[str] = set()
         self._columns: dict[tuple[str, str], c.Expr] = {}
@@ -359,8 +357,7 @@ class Writer:
             case ir.Neg():
                 return c.Unary("-", self.number(node.operand, at))
             case ir.Func():
-                function, libm = called(node.name)
-                self.libm |= libm
+                function, _ = called(node.name)
                 return c.Call(function, tuple([self.number(arg, at) for arg in node.args]))
             case ir.Choose():
                 condition = self.formula(node.condition, at, "condition")
@@ -475,7 +472,6 @@ class Writer:
         given = [self.number(each, at) for each in node.ends]
         match node.what:
             case "inside" | "meets":
-                self.libm |= {"sin", "cos", "sqrt"}
                 way = "curved" if len(given) > _STRAIGHT else "swept"
                 bound = [c.Name("TM_INF")] if node.what == "inside" else []
                 return self.call(f"tm_{way}_{node.what}", self.name("context"), lane, *given, *bound)
@@ -661,7 +657,6 @@ class Writer:
         bound = self.bounds.get(node, c.Name("TM_INF"))
         match node:
             case ir.SweptClear():
-                self.libm |= {"sin", "cos", "sqrt"}
                 return (
                     self.call("tm_curved_clear", *given, bound)
                     if node.bend

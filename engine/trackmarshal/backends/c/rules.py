@@ -69,7 +69,6 @@ class RuleCode:
     entry: str
     text: str
     series: int
-    libm: frozenset[str]
     #: A function that says the formula's value at every sample, for the binding; empty for rules without a timeline.
     along: str
     #: The function whose values the report counts.
@@ -86,10 +85,10 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     name = plan.rule_names[rule.name]
     try:
         waits = is_ahead(rule)
-        full, series, libm = _waiting(plan, rule) if waits else _function(plan, rule, False)
+        full, series = _waiting(plan, rule) if waits else _function(plan, rule, False)
         functions, entry, counted = [full], f"tm_rule_{name}_any", full
         if not grouped and not remembers(rule):
-            counted, more, _ = _function(plan, rule, True)
+            counted, more = _function(plan, rule, True)
             whole = _entry(plan, rule, name)
             functions, entry, series = [counted, full, whole], whole.name, max(series, more)
         along, most = ("", 0) if rule.along is None or rule.course is not None else _along(plan, rule)
@@ -104,17 +103,17 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
         f"   {about(rule)[-1]} */",
     ]
     lines = [line for function in functions for line in (*c.printed(function), "")]
-    return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), libm, along, counted)
+    return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), along, counted)
 
 
-def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int, frozenset[str]]:
+def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int]:
     """The function of a rule that looks ahead: what is said of the last cycles was worked out for all such rules."""
     future = c.Address(c.Member(c.Member(c.Name("context"), "run", True), "future", False))
     number = c.Literal(f"{[each.name for each in plan.future.rules].index(rule.name)}u")
     said = c.Evaluate(c.Call("tm_worst_said", (future, number, _OUT)))
     body = (c.Evaluate(c.Name("in"), True), said)
     name = f"tm_rule_{plan.rule_names[rule.name]}_any"
-    return c.Function((_SAID[False],), "void", name, PARAMETERS, body), 0, frozenset()
+    return c.Function((_SAID[False],), "void", name, PARAMETERS, body), 0
 
 
 def remembers(rule: RuleInfo) -> bool:
@@ -141,8 +140,8 @@ def _operations(
 _COMPUTED = (c.Call, c.Unary, c.Binary, c.Conditional, c.Element)
 
 
-def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, int, frozenset[str]]:
-    """A rule's function, the series that it needs, and what it calls of libm."""
+def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, int]:
+    """A rule's function, and the series that it needs."""
     formula, active = rule.formula, rule.active
     assert formula is not None
     writer = Writer(plan, [rule], known, [formula], [] if active is None else [active])
@@ -153,7 +152,7 @@ def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, in
     name = f"tm_rule_{plan.rule_names[rule.name]}"
     suffix, result = ("known", "bool") if known else ("any", "void")
     made = c.Function((_SAID[known],), result, f"{name}_{suffix}", PARAMETERS, body)
-    return made, series, frozenset(writer.libm)
+    return made, series
 
 
 def _said(writer: Writer, rule: RuleInfo, holds: c.Expr, applies: c.Expr) -> tuple[c.Statement, ...]:
