@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import islice
@@ -232,8 +231,3 @@ def _plain(column: Column) -> dict[str, Any]:
     if column.field == "heading":
         plain |= {"zero": column.zero, "clockwise": column.clockwise, "degrees": column.degrees}
     return plain
-
-
-def dumps(report: PlannerReport) -> str:
-    """The report as one line of strict JSON."""
-    return json.dumps(report.as_json(), allow_nan=False)

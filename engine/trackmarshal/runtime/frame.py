@@ -134,10 +134,6 @@ class Columns:
             self._listed[name] = found
         return found
 
-    def named(self) -> dict[str, NDArray[Any]]:
-        """All columns by name."""
-        return {name: self.column(name) for name in self.names.rows}
-
     def name(self, index: int) -> int | str:
         """What reports call an entry: its id, or its number; of a course, counted from the sample that is now."""
         if self.joined is not None:

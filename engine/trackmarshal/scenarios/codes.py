@@ -199,8 +199,7 @@ class Faults:
     #: More lines than this are counted, not listed.
     LISTED = 8
 
-    def __init__(self, shown: str) -> None:
-        self.shown = shown
+    def __init__(self) -> None:
         self.errors: list[TrackmarshalError] = []
 
     def add(self, error: TrackmarshalError) -> None:

@@ -111,7 +111,7 @@ def decode(data: bytes, shown: str) -> Recording:
     """The bytes of a file (unpacked) to a Recording; raises D126, D130, D140, D141 or D143 with the line."""
     numbered = enumerate(content.text(data, shown).split("\n"), start=1)
     lines = [(i, line) for i, line in numbered if line.strip()]
-    faults = Faults(shown)
+    faults = Faults()
     header: dict[str, Any] = {}
     cycles: list[Cycle] = []
     truths: list[dict[str, bool | None]] = []

@@ -153,7 +153,7 @@ class _Scenario:
 
     def cycles(self) -> tuple[tuple[Cycle, ...], dict[str, tuple[bool | None, ...]]]:
         """All cycles, and ground truth for the columns that are there; raises D127 to D130."""
-        faults = Faults(self.shown)
+        faults = Faults()
         cycles: list[Cycle] = []
         truths: dict[str, list[bool | None]] = {
             truth: [] for column, truth in _TRUTHS.items() if column in self.columns

@@ -214,7 +214,7 @@ class Stepper:
             self.verdicts.ctypes.data, self._calling.user,
         )  # fmt: skip
         self._run = self._calling.step
-        self.status = int(dll.tmg_init(self.context))
+        dll.tmg_init(self.context)
         self._configure(limits, params or {}, tables or {})
 
     @staticmethod

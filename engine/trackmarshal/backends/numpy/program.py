@@ -44,7 +44,6 @@ class NumpyProgram(Stateless):
     ) -> None:
         """rank: of arrays, at least: for formulas within others."""
         super().__init__(spec, rules, leaves)
-        self.rows = {rule.name: row for row, rule in enumerate(self.rules)}
         formulas = [rule.formula for rule in self.rules if rule.formula is not None]
         ranges = [rule.active for rule in self.rules if rule.active is not None]
         self.code, self._fixed, self._varying = _compiled((*formulas, *leaves), tuple(ranges), rank)

@@ -27,9 +27,8 @@ class Seen(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Arrivals:
-    """A cycle's elements. begun: those whose life begins; over: those of whose earlier life nothing is remembered any more; without: those for which there is no place."""
+    """A cycle's elements. over: those of whose earlier life nothing is remembered any more; without: those for which there is no place."""
 
-    begun: frozenset[str]
     over: frozenset[str]
     without: frozenset[str]
 
@@ -54,22 +53,19 @@ class Lives:
         over = frozenset(self.seen.keys() - kept.keys())
         lost = self.lost
         sure = lost is None or (lost[1] > 0 and t - lost[0] > self.forget)
-        begun, without = set[str](), set[str]()
+        without = set[str]()
         found = dict(kept)
         for name in ids:
             if name in kept:
                 found[name] = Seen(t, 0, kept[name].sure)
             elif len(found) < self.capacity:
                 found[name] = Seen(t, 0, sure)
-                begun.add(name)
             else:
                 without.add(name)
         for name in kept.keys() - there:
             found[name] = kept[name]._replace(since=kept[name].since + 1 + missed)
         after = (t, 0) if without else None if lost is None or sure else (lost[0], lost[1] + 1)
-        return Lives(self.forget, self.capacity, found, after), Arrivals(
-            frozenset(begun), over, frozenset(without)
-        )
+        return Lives(self.forget, self.capacity, found, after), Arrivals(over, frozenset(without))
 
     def _lasts(self, one: Seen, there: bool, t: int) -> bool:
         """Whether a life goes on, or may: one that was there in the cycle before is not absent, however long ago that was."""

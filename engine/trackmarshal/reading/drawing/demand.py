@@ -47,7 +47,7 @@ class Demand:
         self.rule, self.spec, self.added = rule, spec, tuple(params)
         self.lowering = Lowering(ir.Interner(), dict(spec.scales) if rule.unit == SCALED else None)
         self.levels, self.body = clauses(rule.typed, self.lowering)
-        found: list[Quantity] = quantities(rule.typed, spec, self.lowering)
+        found: list[Quantity] = quantities(rule.typed, self.lowering)
         found += [self._param(name) for name in params]
         # A number is another node wherever a condition stands in it, as messages about that have another place.
         nodes = ordered([*(one.node for one in found), self.body])

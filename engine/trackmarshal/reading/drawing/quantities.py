@@ -11,7 +11,6 @@ from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.spec import Spec
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.reading.formulas import Formulas
 from trackmarshal.reading.terminal import text
@@ -55,14 +54,14 @@ class _Raw(Exception):
         self.depth, self.reason = depth, reason
 
 
-def quantities(rule: typed.Rule, spec: Spec, lowering: Lowering) -> list[Quantity]:
+def quantities(rule: typed.Rule, lowering: Lowering) -> list[Quantity]:
     """The inputs of what a rule requires, in the order in which they are written. Raises Undrawable.
 
     lowering: one that has made the core of the rule's clauses.
     """
     if any(isinstance(clause, typed.Deadline) for clause in rule.clauses):
         raise Undrawable("memory")
-    found = _Opening(spec, lowering)
+    found = _Opening(lowering)
     for number in _compared(rule.condition):
         found.open(number)
     if not found.made:
@@ -111,8 +110,8 @@ def _compared(node: typed.Formula) -> Iterator[typed.Number]:
 class _Opening:
     """Opens numbers down to their inputs, and takes what cannot be opened for one, by its name."""
 
-    def __init__(self, spec: Spec, lowering: Lowering) -> None:
-        self._spec, self._lowering = spec, lowering
+    def __init__(self, lowering: Lowering) -> None:
+        self._lowering = lowering
         self._writing = Formulas()
         #: By the core: equal numbers are one input, wherever they stand.
         self.made: dict[ir.Num, Quantity] = {}

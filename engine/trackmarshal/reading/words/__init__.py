@@ -66,7 +66,6 @@ class Words(Node):
     in_state: tuple[str, str]
     either: str
     but_not_both: str
-    implied: str
     #: Quantifiers over one, several in a row, and the one of which something is least.
     every: str
     some: str

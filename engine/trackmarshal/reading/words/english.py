@@ -45,7 +45,7 @@ ENGLISH = Words(
     meets=("{a} has a point in common with {b}", "{a} has no point in common with {b}"),
     clear_of=("{a} does not run into {b}", "{a} runs into {b}"),
     same=("{a} is {b}", "{a} is not {b}"), in_state=("{a} is “{b}”", "{a} is not “{b}”"),
-    either="either {a}", but_not_both="{a}, but not both", implied="if {a}, then {b}",
+    either="either {a}", but_not_both="{a}, but not both",
     every="for every {a}", some="there is at least one {a}", some_several="there are {a}", nearest="for that one {a} of which {b} is least",
     some_nearest="there is that one {a} of which {b} is least", of_those="{a}, of those for which {b}",
     sample="sample {a} of {b}", samples="{n} consecutive samples {a} of {b}", element="{a} in {b}",

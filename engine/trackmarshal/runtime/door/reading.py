@@ -99,7 +99,6 @@ class SignalsReader:
         self.lines = {s.name: LinesReader(s) for s in contract.signals if s.form == LINES}
         self.lanes = {s.name: LanesReader(s) for s in contract.signals if s.form == SET and s.lines}
         self.events = [s.name for s in contract.signals if s.form == EVENT]
-        self.known = contract.known
         self._places = contract.places
         self._corridors = contract.corridors if contract.places else ()
 
@@ -196,7 +195,6 @@ class CycleReader:
         at_once: Callable[[Sequence[ColumnsReader]], AtOnce] = AtOnce,
     ) -> None:  # fmt: skip
         assert contract.plan is not None
-        self.contract = contract
         self.settings = settings
         self.candidates = [(name, ColumnsReader(contract.plan, name)) for name in (DRIVING, EMERGENCY)]
         self.shared = SignalsReader(contract)
