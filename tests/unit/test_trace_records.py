@@ -184,25 +184,6 @@ def test_a_folder_is_no_results_file(tmp_path: Path) -> None:
         records.load(tmp_path)
 
 
-def test_the_newest_results_count(tmp_path: Path) -> None:
-    from trackmarshal.trace import load_results
-
-    folder = tmp_path / "out" / "results"
-    for name, created, outcome in (("b", "2026-06-01", "failed"), ("a", "2026-06-02", "passed")):
-        result = TestResult("friction", "t", outcome, "f", "", "a.spec", 1)
-        records.save(
-            folder / f"{name}.json", ResultsFile("test_results", (result,), "0", f"{created}T00:00:00+00:00")
-        )
-    assert [r.outcome for r in load_results(tmp_path).test_results] == ["passed"]
-
-
-def test_no_folder_is_no_results(tmp_path: Path) -> None:
-    from trackmarshal.trace import load_results
-
-    results = load_results(tmp_path)
-    assert (results.test_results, results.runs, results.findings) == ((), (), ())
-
-
 def test_the_fixture_is_read_whole() -> None:
     items, tests, results, runs = Small().parts()
     assert (len(items), len(tests), len(results), len(runs)) == (4, 12, 12, 3)

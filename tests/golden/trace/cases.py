@@ -23,7 +23,9 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal import records, trace
-from trackmarshal.records import FaultCase, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.trace.findings import Place, error
 
 HERE = Path(__file__).parent
 PROJECT = HERE / "project"
@@ -58,19 +60,36 @@ class Small:
         tests = [item for item in held if isinstance(item, SpecTest)]
         cases = [item for item in held if isinstance(item, FaultCase)]
         parts = [item for item in held if isinstance(item, SpecPart)]
-        results = trace.load_results(self.root, "records")
+        results, unread = self._results()
+        runs = [item for item in results if isinstance(item, RunSummary)]
         return trace.build(
-            self.root, items, tests, results.test_results, results.runs, self.today,
-            run_inputs=self._inputs(items), findings=results.findings,
-            fault_cases=cases, fault_results=results.fault_results, parts=parts,
+            self.root, items, tests, [item for item in results if isinstance(item, TestResult)], runs, self.today,
+            run_inputs=self._inputs(items), findings=unread,
+            fault_cases=cases, fault_results=[item for item in results if isinstance(item, FaultResult)], parts=parts,
         )  # fmt: skip
 
     def _inputs(self, items: list[SpecItem]) -> dict[str, dict[str, str]]:
         """What each run rests on."""
         return {
             run.scenario: {f"rule {item.name}": item.fingerprint for item in items}
-            for run in trace.load_results(self.root, "records").runs
+            for run in self._results()[0]
+            if isinstance(run, RunSummary)
         }
+
+    def _results(self) -> tuple[list[records.Record], list[trace.Finding]]:
+        """What came out, and what is wrong with the files that say so."""
+        results: list[records.Record] = []
+        unread: list[trace.Finding] = []
+        for path in sorted((self.root / "records").glob("*.json")):
+            shown = f"records/{path.name}"
+            try:
+                file = records.load(path, shown)
+            except TrackmarshalError as problem:
+                place = Place(shown, problem.line or 0)
+                unread.append(error(problem.code, problem.message, place, problem.help or ""))
+            else:
+                results += file.items
+        return results, unread
 
     def _held(self) -> list[records.Record]:
         held: list[records.Record] = []

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from trackmarshal.trace.baseline import Tell
     from trackmarshal.trace.codes import CODES
     from trackmarshal.trace.faults import rows as fault_rows
-    from trackmarshal.trace.files import Results, load_results
     from trackmarshal.trace.findings import Finding, Place
     from trackmarshal.trace.matrix import Matrix
     from trackmarshal.trace.model import Project
@@ -32,14 +31,12 @@ _PLACES = {
     "Matrix": ("matrix", "Matrix"),
     "Place": ("findings", "Place"),
     "Project": ("model", "Project"),
-    "Results": ("files", "Results"),
     "Tell": ("baseline", "Tell"),
     "accept_baseline": ("whole", "accept_baseline"),
     "build": ("whole", "build"),
     "fault_rows": ("faults", "rows"),
     "gate": ("whole", "gate"),
     "load": ("whole", "load"),
-    "load_results": ("files", "load_results"),
     "render": ("render", "render"),
     "requirement_ids": ("whole", "requirement_ids"),
 }
@@ -71,14 +68,12 @@ __all__ = [
     "Matrix",
     "Place",
     "Project",
-    "Results",
     "Tell",
     "accept_baseline",
     "build",
     "fault_rows",
     "gate",
     "load",
-    "load_results",
     "render",
     "requirement_ids",
 ]

@@ -1,19 +1,16 @@
-"""Files of the project that evidence refers to, by their hashes, and the results folder."""
+"""Files of the project that evidence refers to, by their hashes."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
-from trackmarshal import records
-from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import digest
-from trackmarshal.records import FaultResult, RunSummary, SpecItem, TestResult
+from trackmarshal.records import RunSummary, SpecItem
 from trackmarshal.trace import sections
-from trackmarshal.trace.findings import Finding, Place, error
+from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.model import Entry, Project
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
@@ -167,40 +164,3 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             yield error(
                 "T252", message, item_place(item), "write it; paths are relative to the project", item.name
             )
-
-
-@dataclass(frozen=True, slots=True)
-class Results:
-    """What a results folder holds: the newest result of every test, the newest run of every scenario, of every fault."""
-
-    test_results: tuple[TestResult, ...] = ()
-    runs: tuple[RunSummary, ...] = ()
-    findings: tuple[Finding, ...] = ()
-    fault_results: tuple[FaultResult, ...] = ()
-
-
-def load_results(root: Path, folder: str = "out/results") -> Results:
-    """Read `folder/*.json` of a project; files that cannot be read are findings (T290) and count for nothing."""
-    tests: dict[tuple[str, str], TestResult] = {}
-    runs: dict[str, RunSummary] = {}
-    faults: dict[tuple[str, str], FaultResult] = {}
-    found: list[Finding] = []
-    read: list[tuple[str, str, records.ResultsFile]] = []
-    for path in sorted((root / folder).glob("*.json")):
-        shown = f"{folder}/{path.name}"
-        try:
-            file = records.load(path, shown)
-            read.append((file.created, shown, file))
-        except TrackmarshalError as problem:
-            found.append(
-                error(problem.code, problem.message, Place(shown, problem.line or 0), problem.help or "")
-            )
-    for _, _, file in sorted(read, key=lambda entry: entry[:2]):  # the newest last
-        for item in file.items:
-            if isinstance(item, TestResult):
-                tests[item.rule, item.title] = item
-            elif isinstance(item, RunSummary):
-                runs[item.scenario] = item
-            elif isinstance(item, FaultResult):
-                faults[item.campaign, item.id] = item
-    return Results(tuple(tests.values()), tuple(runs.values()), tuple(found), tuple(faults.values()))

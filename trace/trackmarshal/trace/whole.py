@@ -43,7 +43,7 @@ def build(
 
     Results and runs that are not given count as not run. `today` (default: the clock's day) decides which waivers
     hold. Test results are stale where their inputs are not those of their rule and test, and of `engine`; runs where theirs are not those of
-    `run_inputs`, by scenario what it is replayed with. Faults carry their own. `findings` are those of reading the results (`load_results`).
+    `run_inputs`, by scenario what it is replayed with. Faults carry their own. `findings` are those of reading the results.
     `tell` says of rules that changed since the baseline whether they got weaker, or stronger.
     What is wrong with the project becomes findings of the matrix; nothing is raised for it.
     """
