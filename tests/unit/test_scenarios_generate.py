@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
+from support.envelope import same_lane
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io
@@ -23,7 +24,6 @@ from trackmarshal.scenarios.generate import __main__ as command
 from trackmarshal.scenarios.generate import generate, road
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.scenarios.generate.motion import Profile
-from trackmarshal.scenarios.ground_truth import same_lane
 from trackmarshal.scenarios.recording import Recording
 
 SPECS = Path(__file__).parents[2] / "specs"

@@ -6,14 +6,13 @@ import math
 
 import pytest
 
+from support.envelope import Envelope, same_lane
 from support.shared import oracle
 from trackmarshal.scenarios.ground_truth import (
-    Envelope,
     LaneState,
     encounter,
     may_fire,
     must_fire,
-    same_lane,
     worst,
 )
 
