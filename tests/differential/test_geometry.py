@@ -238,7 +238,7 @@ def test_what_is_off_the_border_by_rounding_is_on_the_same_side() -> None:
     slot = [(20.0, 30.0), (-20.0, 30.0), (-20.0, -2.349), (3.0, -2.348998), (3.0, -2.35), (-20.0, -2.35), (-20.0, -30.0), (20.0, -30.0)]  # fmt: skip
     far = [(x + 1e8, y - 1e8) for x, y in slot]
     first, second = (1e8, -1e8, 0.5 * math.pi), (1e8, -1e8, 0.5 * math.pi + 0.1)
-    expected = reference.hull_in_polygon_margin(far, first, second, 4.7, 1.0)
+    expected = reference.hull_margin_in(reference.region_of(far), first, second, 4.7, 1.0)
     assert expected < 0.0
     assert fast.Polygon(far).margin_inside(*first, *second, 4.7, 1.0).tolist() == [expected]
 
@@ -280,7 +280,7 @@ def test_beside_a_spike(width: float, out: float) -> None:
         heading = turned + np.array([0.0, 0.5, 0.5 * math.pi, 0.0])
         poses = np.stack([x, y, heading, x, y, heading])
         inside = [
-            reference.hull_in_polygon_margin(zone, pose, pose, 2.0, 1.0)
+            reference.hull_margin_in(reference.region_of(zone), pose, pose, 2.0, 1.0)
             for pose in zip(x.tolist(), y.tolist(), heading.tolist())
         ]
         assert [margin >= 0.0 for margin in expected] == [out < 0.0] * 4

@@ -103,7 +103,7 @@ def test_fast_is_the_reference_where_everything_touches(
 ) -> None:
     zone = fast.Polygon(ring)
     assert zone.fault == reference.zone_fault(ring)
-    expected = reference.hull_in_polygon_margin(ring, (*start, heading), (*end, heading), *body)
+    expected = reference.hull_margin_in(reference.region_of(ring), (*start, heading), (*end, heading), *body)
     found = float(zone.margin_inside(*start, heading, *end, heading, *body)[0])
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9, nan_ok=True)
     if heading == 0.0:  # then all coordinates are exact, and so is the verdict

@@ -57,7 +57,7 @@ class Reference:
         return reference.hull_inside_margin(left, right, closed, pose0, pose1, *body)
 
     def inside_polygon(self, points: Points, pose0: Pose, pose1: Pose, body: Body) -> float:
-        return reference.hull_in_polygon_margin(points, pose0, pose1, *body)
+        return reference.hull_margin_in(reference.region_of(points), pose0, pose1, *body)
 
     def fault(self, left: Points, right: Points, closed: bool = False) -> str | None:
         return reference.corridor_fault(left, right, closed)

@@ -127,7 +127,9 @@ def test_clauses_stand_in_the_order_written_and_exceptions_with_their_reasons(tm
     ]  # fmt: skip
     each = rule.clauses[2]
     assert isinstance(each, typed.ForEach)
-    (left_out,) = rule.exceptions(each)
+    left_out = rule.clauses[3]
+    assert isinstance(left_out, typed.Except)
+    assert left_out.of is each
     assert left_out.reason == "it looks out for itself"
     assert left_out.condition.span.text == "o behind p"
     along = rule.clauses[1]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.comparing.changes import EQUAL, GONE, NEW, Column, RuleChange, alone, changed
 from trackmarshal.comparing.decisions import DecisionChange, decided
-from trackmarshal.comparing.judged import Judged, judge
-from trackmarshal.evaluation import Evaluator
+from trackmarshal.comparing.judged import Judged
 from trackmarshal.ir.spec import RuleInfo
-from trackmarshal.scenarios.recording import Recording
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,20 +35,12 @@ class Comparison:
         )
 
 
-def compare(
-    old: Evaluator, new: Evaluator, recordings: Iterable[Recording], renamed: Mapping[str, str] | None = None
-) -> list[RuleChange]:
-    """What became of every rule on these recordings, in the order of the new evaluator's rules, those that are gone last.
-
-    renamed: new names by old ones; of others, a rule is taken for a renamed one where exactly one of the same formula is gone. Rules are
-    evaluated as the Supervisor does it, both candidates in every cycle. Raises TrackmarshalError as a replay does.
-    """
-    pairs = [Pair(judge(old, recording), judge(new, recording)) for recording in recordings]
-    return list(compared(pairs, renamed).rules)
-
-
 def compared(pairs: Sequence[Pair], renamed: Mapping[str, str] | None = None) -> Comparison:
-    """The same, and decisions, of recordings that are judged: those of one side by evaluators of the same rules."""
+    """What became of every rule, in the order of the new evaluator's rules, those that are gone last, and of decisions, on recordings that are
+    judged: those of one side by evaluators of the same rules.
+
+    renamed: new names by old ones; of others, a rule is taken for a renamed one where exactly one of the same formula is gone.
+    """
     if not pairs:
         return Comparison((), ())
     old = {rule.name: rule for rule in pairs[0].old.evaluator.rules}
@@ -69,17 +59,16 @@ def compared(pairs: Sequence[Pair], renamed: Mapping[str, str] | None = None) ->
     return Comparison(tuple(rules), tuple(one for pair in pairs for one in decided(pair.old, pair.new)))
 
 
-def of_rule(pairs: Sequence[Pair], name: str, was: str = "") -> RuleChange | None:
-    """What became of one rule over those recordings whose evaluators have it, before (as `was`, if it had another name) and after; None for none."""
-    before = was or name
-    both = [pair for pair in pairs if _has(pair.old, before) and _has(pair.new, name)]
+def of_rule(pairs: Sequence[Pair], name: str) -> RuleChange | None:
+    """What became of one rule over those recordings whose evaluators have it, before and after; None for none."""
+    both = [pair for pair in pairs if _has(pair.old, name) and _has(pair.new, name)]
     if not both:
         return None
     old, new = both[0].old.evaluator.rules, both[0].new.evaluator.rules
     return changed(
-        old[_place(both[0].old, before)],
+        old[_place(both[0].old, name)],
         new[_place(both[0].new, name)],
-        [_column(pair, before, name) for pair in both],
+        [_column(pair, name, name) for pair in both],
     )
 
 

@@ -91,7 +91,3 @@ class Rule(Typed):
     def condition(self) -> Formula:
         """What it requires."""
         return next(clause.condition for clause in self.clauses if isinstance(clause, Require))
-
-    def exceptions(self, of: ForEach) -> tuple[Except, ...]:
-        """What is left out of a quantifier's range."""
-        return tuple(c for c in self.clauses if isinstance(c, Except) and c.of is of)

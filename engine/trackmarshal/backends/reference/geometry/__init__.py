@@ -2,7 +2,6 @@
 
 from trackmarshal.backends.reference.geometry.corridor import (
     corridor_fault,
-    hull_in_polygon_margin,
     hull_inside_margin,
     hull_margin_in,
     hull_meets_margin,
@@ -28,14 +27,13 @@ from trackmarshal.backends.reference.geometry.footprint import (
     clear_margin,
     convex_clearance,
     footprint,
-    swept,
     swept_clearance,
 )
 from trackmarshal.backends.reference.geometry.region import Region
 
 __all__ = [
     "Curve", "Line", "Region", "centre_again", "centre_line", "clear_margin", "convex_clearance", "corridor_fault", "curve_between", "distance_to_line", "distance_to_path",
-    "footprint", "hull_in_polygon_margin", "hull_inside_margin", "hull_margin_in", "hull_meets_margin", "in_zone_margin", "line_again", "line_fault", "project",
-    "region_between", "region_of", "station_gap", "stretch_room", "swept",
+    "footprint", "hull_inside_margin", "hull_margin_in", "hull_meets_margin", "in_zone_margin", "line_again", "line_fault", "project",
+    "region_between", "region_of", "station_gap", "stretch_room", 
     "swept_clearance", "zone_fault",
 ]  # fmt: skip

@@ -68,17 +68,10 @@ def hull_meets_margin(
     return -hull_margin(Outside(region.border, region.groups), pose0, pose1, length, width, bend)
 
 
-def hull_in_polygon_margin(
-    points: Points, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
-) -> float:
-    """The signed margin [m] of what a vehicle sweeps between two poses inside a simple polygon."""
-    return hull_margin_in(region_of(points), pose0, pose1, length, width, bend)
-
-
 def hull_margin_in(
     region: Region | str, pose0: Pose, pose1: Pose, length: float, width: float, bend: Sequence[float] = ()
 ) -> float:
-    """The same inside a region that is there already; NaN for what is none."""
+    """The signed margin [m] of what a vehicle sweeps between two poses inside a region; NaN for what is none."""
     return math.nan if isinstance(region, str) else hull_margin(region, pose0, pose1, length, width, bend)
 
 

@@ -61,14 +61,6 @@ def swept_corners(first: Placed, second: Placed, length: float, width: float) ->
     return box(first, length, width, origin) + box(second, length, width, origin)
 
 
-def swept(pose0: Pose, pose1: Pose, length: float, width: float) -> list[Point]:
-    """The convex hull of the footprints of two poses, counter-clockwise."""
-    if not usable(*pose0, *pose1) or not sized(length, width):
-        raise ValueError("a swept footprint needs finite poses and positive sizes")
-    corners = swept_corners(placed(pose0), placed(pose1), length, width)
-    return [(x + pose0[0], y + pose0[1]) for x, y in convex_hull(corners)]
-
-
 def depth(x: float, y: float, hull: Sequence[Segment]) -> float:
     """How far a point lies inside a convex polygon: its distance from the nearest side's line, negative outside."""
     return min(side(s, x, y) / math.sqrt(s.ex * s.ex + s.ey * s.ey) for s in hull)
