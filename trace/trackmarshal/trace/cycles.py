@@ -35,13 +35,13 @@ def cycles(parents: Mapping[str, Sequence[str]]) -> list[list[str]]:
     return found
 
 
-def shown(cycle: Sequence[str], arrow: str = " -> ") -> str:
+def shown(cycle: Sequence[str]) -> str:
     """A cycle as a path that returns to its start."""
     names = [*cycle, cycle[0]]
     if len(names) > SHOWN:
         left_out = len(names) - SHOWN + 1
         names = [*names[: SHOWN // 2], f"({left_out} more)", *names[-(SHOWN // 2 - 1) :]]
-    return arrow.join(names)
+    return " -> ".join(names)
 
 
 def children_first(parents: Mapping[str, Sequence[str]]) -> list[str]:

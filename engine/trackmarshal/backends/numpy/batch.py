@@ -70,9 +70,9 @@ class Batch:
 
     # Values of cases ------------------------------------------------------------------------------------------
 
-    def per_case(self, values: Sequence[Any], dtype: type = np.float64) -> NDArray[Any]:
+    def per_case(self, values: Sequence[Any]) -> NDArray[Any]:
         """(cases,) shaped for broadcasting."""
-        return np.array(values, dtype=dtype).reshape(self.by_case)
+        return np.array(values, dtype=np.float64).reshape(self.by_case)
 
     def numbers(self, values: list[float]) -> Any:
         """A number of every case: one for all where they have the same, which is cheaper."""

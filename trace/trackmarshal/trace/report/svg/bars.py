@@ -13,10 +13,9 @@ STATUSES = {
 }  # fmt: skip
 
 
-def coverage_bar(
-    stage: str, counts: Mapping[str, int], of: int, width: float = 240.0, height: float = 14.0
-) -> str:
+def coverage_bar(stage: str, counts: Mapping[str, int], of: int) -> str:
     """One bar; every status has a texture of its own, and the numbers stand beside it in words."""
+    width, height = 240.0, 14.0
     parts = [tag("rect", x=0.5, y=0.5, width=width - 1, height=height - 1, class_="b-frame")]
     x = 0.0
     for status, amount in counts.items():

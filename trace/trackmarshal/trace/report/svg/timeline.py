@@ -183,8 +183,9 @@ def _cursor(height: float) -> str:
     )
 
 
-def strip(run: Run, width: float = 260.0, height: float = 16.0) -> str:
+def strip(run: Run) -> str:
     """The decision of every cycle on one small band, for the index."""
+    width, height = 260.0, 16.0
     group = overall(run)
     axis = time_axis(run.t, run.end, 0.0, width)
     parts = list(_lane(group.rows[-1].lanes[0], run, axis, 0.0, height)) if run.cycles else []
