@@ -177,7 +177,7 @@ class Expressions:
             hint = "compare it with a number: `count(...) <= 3`"
         elif isinstance(value, typed.MemberNode):
             hint = enums.hint(value)
-        self.fail(WrongKind(_span(expr), "a number", value_spoken(value), hint))
+        self.fail(WrongKind(ast.span_of(expr), "a number", value_spoken(value), hint))
 
     def formula(self, expr: ast.Expr, ctx: Context) -> typed.Formula:
         value = self.value(expr, ctx)
@@ -186,15 +186,15 @@ class Expressions:
             if isinstance(value, typed.MemberNode):
                 hint = enums.hint(value)
             if isinstance(value, typed.SignalNode) and (value.signal.many or value.signal.sequence):
-                each = f"o in {_span(expr).text}"
+                each = f"o in {ast.span_of(expr).text}"
                 hint = (
                     f"ask about what is in it: `exists {each}: (...)`, or how many there are, `count({each})`"
                 )
-            self.fail(WrongKind(_span(expr), "a formula", value_spoken(value), hint))
+            self.fail(WrongKind(ast.span_of(expr), "a formula", value_spoken(value), hint))
         return value
 
     def value(self, expr: ast.Expr, ctx: Context) -> typed.Value:
-        span = _span(expr)
+        span = ast.span_of(expr)
         match expr:  # the most frequent ones first
             case ast.Name():
                 return self._name(expr, ctx)
@@ -274,7 +274,7 @@ class Expressions:
             if (
                 isinstance(item, UnknownName)
                 and item.name in ended
-                and item.span.start >= _span(expr.right).start
+                and item.span.start >= ast.span_of(expr.right).start
             ):
                 quantifier = f"{ended[item.name]} {item.name}"
                 hint = f"`{quantifier}` ends before `{expr.op}`: put all that it is about in parentheses, `{quantifier} in ...: (...)`"
@@ -413,9 +413,9 @@ class Expressions:
             if signal.field(expr.name) is not None:
                 hint = f"bind a variable first: `for all x in {signal.name}`"
             self.fail(UnknownField(span, value_spoken(value), expr.name, shown or "nothing to read", hint))
-        digits = _span(expr.value).text
+        digits = ast.span_of(expr.value).text
         hint = f"a number with a point has digits after it: `{digits}.0`" if digits.isdigit() else ""
-        self.fail(WrongKind(_span(expr.value), "a record", value_spoken(value), hint))
+        self.fail(WrongKind(ast.span_of(expr.value), "a record", value_spoken(value), hint))
 
     def _parameter(
         self, record: typed.Symbol, name: str, dimension: Dimension, span: Span
@@ -481,7 +481,7 @@ class Expressions:
             if isinstance(value, typed.MemberNode) and isinstance(expr.right, ast.Name):
                 members.append(value)
                 hint = enums.hint(value, expr.right.name, expr.op)
-                self.fail(WrongKind(_span(expr.left), "a number", value_spoken(value), hint))
+                self.fail(WrongKind(ast.span_of(expr.left), "a number", value_spoken(value), hint))
             return value
 
         def right_side() -> typed.Value:
@@ -495,10 +495,12 @@ class Expressions:
         sides: list[typed.Value] = self.all(left_side, right_side)
         left, right = sides
         if isinstance(left, typed.FormulaNode) and isinstance(right, typed.FormulaNode):
-            self.fail(WrongKind(_span(expr.left), "a number", "a formula", _of_formulas(expr)))
+            self.fail(WrongKind(ast.span_of(expr.left), "a number", "a formula", _of_formulas(expr)))
         if isinstance(left, typed.RecordNode) and isinstance(right, typed.RecordNode):
             self.fail(
-                WrongKind(_span(expr.left), "a number", value_spoken(left), _of_records(expr, left, right))
+                WrongKind(
+                    ast.span_of(expr.left), "a number", value_spoken(left), _of_records(expr, left, right)
+                )
             )
         return self.all(lambda: number(left, expr.left), lambda: number(right, expr.right))
 
@@ -622,11 +624,11 @@ class Expressions:
         return typed.Choice(then.dimension, common(then, otherwise), condition, then, otherwise, expr.span)
 
     def _in_zone(self, expr: ast.InZone, ctx: Context) -> typed.Value:
-        at = Span(expr.span.file, _span(expr.value).end, expr.span.end).word(expr.zone)
+        at = Span(expr.span.file, ast.span_of(expr.value).end, expr.span.end).word(expr.zone)
         found = self.look_up(expr.zone, at, "zone", set(), ctx)
         if not isinstance(found.item, ast.Place) or found.item.kind != "zone":
             self.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
-        point = calls.shaped(self, self.value(expr.value, ctx), "point", _span(expr.value))
+        point = calls.shaped(self, self.value(expr.value, ctx), "point", ast.span_of(expr.value))
         return typed.InZone(point, typed.Zone(found, at), expr.span)
 
     # Time and quantifiers -----------------------------------------------------------------------------------
@@ -658,17 +660,19 @@ class Expressions:
         number, seconds = self.bound(bound, ctx)
         if seconds < 0.0:
             self.fail(
-                BadValue(_span(bound), f"a window starts at zero or later, not at {in_full(seconds, 's')}")
+                BadValue(
+                    ast.span_of(bound), f"a window starts at zero or later, not at {in_full(seconds, 's')}"
+                )
             )
-        zero = typed.Literally(TIME, "s", "0", "s", 0.0, _span(bound))
-        return typed.Window(zero, number, (0.0, seconds), _span(bound))
+        zero = typed.Literally(TIME, "s", "0", "s", 0.0, ast.span_of(bound))
+        return typed.Window(zero, number, (0.0, seconds), ast.span_of(bound))
 
     def deadline(self, limit: ast.Expr, span: Span, ctx: Context) -> typed.Deadline:
         """How long after a cycle something has to happen: a literal time."""
         number, seconds = self.bound(limit, ctx)
         if seconds < 0.0:
             problem = f"a deadline is not before the cycle that it counts from, at {in_full(seconds, 's')}"
-            self.fail(BadValue(_span(limit), problem))
+            self.fail(BadValue(ast.span_of(limit), problem))
         return typed.Deadline(number, seconds, span)
 
     def _window(self, window: ast.Window | None, ctx: Context) -> typed.Window | None:
@@ -681,7 +685,7 @@ class Expressions:
             past = "`once`, `historically` and `since` look back"
             hint = f"windows count away from the current sample; {past}"
             problem = f"a window starts at zero or later, not at {in_full(low, 's')}"
-            self.fail(BadValue(_span(window.lower), problem, None, hint))
+            self.fail(BadValue(ast.span_of(window.lower), problem, None, hint))
         if high < low:
             problem = f"a window runs from low to high, not from {in_full(low, 's')} to {in_full(high, 's')}"
             self.fail(BadValue(window.span, problem, None, "swap the bounds"))
@@ -714,9 +718,9 @@ class Expressions:
         """What a quantifier ranges over, and its variables."""
         value = self.value(domain, ctx)
         if not isinstance(value, typed.SignalNode) or not (value.signal.sequence or value.signal.many):
-            self.fail(WrongKind(_span(domain), "a timeline or a set", value_spoken(value)))
+            self.fail(WrongKind(ast.span_of(domain), "a timeline or a set", value_spoken(value)))
         signal = value.signal
-        courses.refuse_course(signal, _span(domain), "no quantifier ranges over", self)
+        courses.refuse_course(signal, ast.span_of(domain), "no quantifier ranges over", self)
         if len(names) > 1 and not consecutive:
             hint = "write a quantifier for each"
             if signal.sequence:
@@ -820,7 +824,7 @@ class Expressions:
             self.fail(UnknownReference(at, f"`{op}` is written another way over many", hint))
         if op in ("count", "sum") and expr.otherwise is not None:
             problem = f"the {op} of nothing is 0, so it has no `else`"
-            self.fail(UnknownReference(_span(expr.otherwise), problem, "remove the `else`"))
+            self.fail(UnknownReference(ast.span_of(expr.otherwise), problem, "remove the `else`"))
         return op
 
     def range_of(
@@ -858,14 +862,9 @@ def _never_empty(range_: typed.Range) -> bool:
     return signal.sequence and len(range_.names) <= (2 if signal.kind == "trajectory" else 1)
 
 
-def _span(expr: ast.Expr) -> Span:
-    span: Span = expr.__dict__["span"]
-    return span
-
-
 def _of_formulas(expr: ast.Binary) -> str:
     """What to write for two formulas between which `==` stands, or another comparison."""
-    left, right = (" ".join(_span(side).text.split()) for side in (expr.left, expr.right))
+    left, right = (" ".join(ast.span_of(side).text.split()) for side in (expr.left, expr.right))
     if expr.op not in ("==", "!="):
         return "compare numbers, or join formulas with `and`, `or`, `implies`, `iff`, `xor`"
     if isinstance(expr.right, ast.Boolean):
@@ -882,7 +881,7 @@ def _of_records(expr: ast.Binary, left: typed.Record, right: typed.Record) -> st
 
     Not their places: two that are in one place are what rules about two of them look for.
     """
-    ours, theirs = (_span(side).text for side in (expr.left, expr.right))
+    ours, theirs = (ast.span_of(side).text for side in (expr.left, expr.right))
     if left.signal is not None and left.signal.many and left.signal == right.signal:
         return f"{_NUMBERED}: `{ours}.number {'==' if expr.op == '==' else '<'} {theirs}.number`"
     return "compare a field that tells which it is: declare one, such as `own: bool`"

@@ -25,7 +25,7 @@ def lifetimes(
     """
     capacity, forget = None, 0
     if item.capacity is not None:
-        at = _at(item.capacity)
+        at = ast.span_of(item.capacity)
         value = _value(item.capacity, "1", number)
         if not item.many:
             found.append(_no_set(item, at, "capacity"))
@@ -35,7 +35,7 @@ def lifetimes(
         elif value is not None:
             capacity = int(value)
     if item.forget is not None:
-        at = _at(item.forget)
+        at = ast.span_of(item.forget)
         seconds = _value(item.forget, "s", number)
         if not item.many:
             found.append(_no_set(item, at, "forget"))
@@ -57,11 +57,6 @@ def _value(expr: ast.Expr, unit: str, number: Callable[[ast.Expr, str], float]) 
         return number(expr, unit)
     except Poison:
         return None
-
-
-def _at(expr: ast.Expr) -> Span:
-    span: Span = expr.__dict__["span"]
-    return span
 
 
 def _no_set(item: ast.Signal, at: Span, word: str) -> LifetimeProblem:

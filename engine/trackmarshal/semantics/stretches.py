@@ -25,7 +25,7 @@ Ends = tuple[typed.Line, typed.Number, typed.Number]
 
 def in_stretch(expr: ast.InStretch, x: Expressions, ctx: Context) -> typed.Formula:
     """`p in stretch chicane`."""
-    at = Span(expr.span.file, span_of_expr(expr.value).end, expr.span.end).word(expr.stretch)
+    at = Span(expr.span.file, ast.span_of(expr.value).end, expr.span.end).word(expr.stretch)
     found = x.look_up(expr.stretch, at, "stretch", set(), ctx)
     if not isinstance(found.item, ast.Stretch):
         x.fail(WrongKind(at, "a stretch", f"the {spoken(found.item)} `{expr.stretch}`"))
@@ -45,7 +45,7 @@ def between_stations(expr: ast.BetweenStations, x: Expressions, ctx: Context) ->
 def ends(expr: ast.Stretch | ast.BetweenStations, x: Expressions, ctx: Context) -> Ends:
     """The line of a stretch, where it begins and where it ends."""
     line, start, end = x.all(
-        lambda: calls.line(x, x.value(expr.line, ctx), span_of_expr(expr.line)),
+        lambda: calls.line(x, x.value(expr.line, ctx), ast.span_of(expr.line)),
         *(partial(_station, one, what, x, ctx) for one, what in ((expr.start, "begins"), (expr.end, "ends"))),
     )
     return line, start, end
@@ -78,13 +78,7 @@ def _place(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Record | typed
     if isinstance(value, typed.NumberNode) and value.dimension == LENGTH:
         return value
     if isinstance(value, typed.RecordNode):
-        return calls.shaped(x, value, "point", span_of_expr(expr))
+        return calls.shaped(x, value, "point", ast.span_of(expr))
     found = quantity(value.dimension) if isinstance(value, typed.NumberNode) else value_spoken(value)
     wanted = f"a station, or something with {', '.join(SHAPES['point'])}"
-    x.fail(WrongKind(span_of_expr(expr), wanted, found))
-
-
-def span_of_expr(expr: ast.Expr) -> Span:
-    """Where an expression stands."""
-    span: Span = expr.__dict__["span"]
-    return span
+    x.fail(WrongKind(ast.span_of(expr), wanted, found))

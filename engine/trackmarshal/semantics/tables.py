@@ -67,10 +67,10 @@ def _check_shape(self: Expressions, item: ast.Table) -> None:
             )
     for row in item.rows:
         if len(row) - 1 != width:
-            at = _span(row[0]).to(_span(row[-1]))
+            at = ast.span_of(row[0]).to(ast.span_of(row[-1]))
             has, wanted = _values(len(row) - 1), _values(width)
             hint = "a table of one argument has a knot and a value in each row" if second is None else ""
-            hint = decimal_comma(*map(_span, row)) or hint
+            hint = decimal_comma(*map(ast.span_of, row)) or hint
             self.fail(
                 TableShape(at, second.span if second else None, f"this row has {has}, not {wanted}", hint)
             )
@@ -90,16 +90,16 @@ def _knots(
         if not before < after:
             self.fail(
                 BadValue(
-                    _span(here),
+                    ast.span_of(here),
                     f"the knots of a table ascend; {in_full(after, unit)} is not above {in_full(before, unit)}",
-                    _span(above),
+                    ast.span_of(above),
                     "sort the rows; each knot stands once",
                     "not above this one",
                 )
             )
     way = Way(written.reading == "step", written.outside == "clamp", length)
     if written.length is not None:
-        _check_period(self, way, knots, exprs, unit, _span(written.length))
+        _check_period(self, way, knots, exprs, unit, ast.span_of(written.length))
     return knots, way
 
 
@@ -114,15 +114,13 @@ def _check_period(
         problem = f"this knot is outside the period, which goes from 0 up to {in_full(way.length, unit)}"
         self.fail(
             TablePeriod(
-                _span(wrong), at, problem, "write the place from 0 on at which it is in the first period"
+                ast.span_of(wrong),
+                at,
+                problem,
+                "write the place from 0 on at which it is in the first period",
             )
         )
 
 
 def _values(count: int) -> str:
     return "1 value" if count == 1 else f"{count} values"
-
-
-def _span(expr: ast.Expr) -> Span:
-    span: Span = expr.__dict__["span"]
-    return span

@@ -38,6 +38,12 @@ def parenthesised(expr: Expr) -> Expr:
     return expr
 
 
+def span_of(expr: Expr) -> Span:
+    """Where an expression stands: it is no field, so that equal expressions are equal wherever they are written."""
+    span: Span = expr.__dict__["span"]
+    return span
+
+
 def is_parenthesised(expr: Expr) -> bool:
     """Whether the author put an expression in parentheses."""
     return isinstance(expr.__dict__["span"], Parenthesised)

@@ -28,6 +28,7 @@ from trackmarshal.semantics.expressions import Context
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
+from trackmarshal.syntax.ast import span_of
 from trackmarshal.testing.builders import BUILDERS, Builder, built
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
 from trackmarshal.testing.meant import Meant
@@ -182,7 +183,7 @@ class _Preparation:
             self.fail(entry.span, f"`{rule.name}` speaks of one cycle alone", "a test for each cycle")
         seconds = self._number(entry.time, "s", "the time of the next cycle")
         if not (math.isfinite(seconds) and nanoseconds(seconds) > 0):
-            self.fail(_span(entry.time), "the next cycle comes later", "write a time above 0 s")
+            self.fail(span_of(entry.time), "the next cycle comes later", "write a time above 0 s")
         return seconds
 
     # What is given --------------------------------------------------------------------------------------------
@@ -209,7 +210,7 @@ class _Preparation:
                 case["signals"][entry.name] = self._signal(self._spec.signals[item.name], entry)
             case ast.Event():
                 if not isinstance(entry.value, ast.Boolean):
-                    self.fail(_span(entry.value), f"the event `{item.name}` is true or false")
+                    self.fail(span_of(entry.value), f"the event `{item.name}` is true or false")
                 case["signals"][entry.name] = entry.value.value
             case ast.Param():
                 info = self._spec.params.get(symbol.qualified)
@@ -228,7 +229,7 @@ class _Preparation:
                 try:
                     check_table(table_in_si(table), rows)
                 except TrackmarshalError as error:
-                    self.fail(_span(entry.value), error.message, error.help or "")
+                    self.fail(span_of(entry.value), error.message, error.help or "")
                 case["tables"][symbol.qualified] = rows
             case ast.Place():
                 case["places"][symbol.qualified] = self._points(entry.value)
@@ -255,7 +256,9 @@ class _Preparation:
     def _param_record(self, symbol: typed.Symbol, value: ast.Expr) -> dict[str, float]:
         """Some fields of a record of parameters, or all; the others stay."""
         if not isinstance(value, ast.RecordValue):
-            self.fail(_span(value), "a record is needed here", f"write `{symbol.name} = {{ field: value }}`")
+            self.fail(
+                span_of(value), "a record is needed here", f"write `{symbol.name} = {{ field: value }}`"
+            )
         infos = {
             info.short: info
             for info in self._spec.params.values()
@@ -269,14 +272,14 @@ class _Preparation:
             if info is None:
                 fields = [short.partition(".")[2] for short in infos]
                 hint = close_matches(name, fields) or f"it has {', '.join(fields)}"
-                self.fail(_span(each), f"`{symbol.name}` has no field `{name}`", hint)
+                self.fail(span_of(each), f"`{symbol.name}` has no field `{name}`", hint)
             given[info.name] = self._param(info, each)
         return given
 
     def _param(self, info: ParamInfo, value: ast.Expr) -> float:
         number = self._number(value, info.unit, f"the parameter `{info.short}`")
         if not math.isfinite(number):
-            self.fail(_span(value), "a parameter is finite")
+            self.fail(span_of(value), "a parameter is finite")
         if (info.lower is not None and number < info.lower) or (
             info.upper is not None and number > info.upper
         ):
@@ -286,7 +289,7 @@ class _Preparation:
             )
             limits = ", ".join(digits(end, info.unit) for end in ends)
             problem = f"{in_full(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
-            self.fail(_span(value), problem, "", info.span.head)
+            self.fail(span_of(value), problem, "", info.span.head)
         return number
 
     def _signal(self, signal: SignalType, entry: ast.Given) -> Any:
@@ -306,7 +309,7 @@ class _Preparation:
             return self._build(entry.value, "corridor")
         if not isinstance(entry.value, ast.RecordValue):
             self.fail(
-                _span(entry.value),
+                span_of(entry.value),
                 "a corridor is built, or given as `{ left: [...], right: [...] }`",
                 _HOW["corridor"],
             )
@@ -316,11 +319,11 @@ class _Preparation:
         """One entry of a corridor."""
         if side == "closed":
             if not isinstance(value, ast.Boolean):
-                self.fail(_span(value), "`closed` is true or false")
+                self.fail(span_of(value), "`closed` is true or false")
             return value.value
         if side not in ("left", "right"):
             hint = close_matches(side, ("left", "right", "closed")) or "it has left, right and closed"
-            self.fail(_span(value), f"a corridor has no `{side}`", hint)
+            self.fail(span_of(value), f"a corridor has no `{side}`", hint)
         return self._points(value)
 
     def _columns(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
@@ -349,11 +352,11 @@ class _Preparation:
             return columns
         if not isinstance(value, ast.RecordValue):
             self.fail(
-                _span(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"]
+                span_of(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"]
             )
 
         def column(field_name: str, content: ast.Expr) -> list[Any]:
-            field = self._field(signal, field_name, _span(content))
+            field = self._field(signal, field_name, span_of(content))
             values = self._list(content)
             with self._told_once(values):
                 return self._x.all(*(lambda e=element: self._scalar(field, e) for element in values))
@@ -364,7 +367,7 @@ class _Preparation:
             comma = _decimal_comma(self._list(content))
             if comma and len(lengths) > 1:
                 self.fail(
-                    _span(content),
+                    span_of(content),
                     f"`{name}` has {len(columns[name])} entries, others have more or fewer",
                     comma,
                 )
@@ -417,7 +420,7 @@ class _Preparation:
             self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
-        comma = calls.decimal_comma(*map(_span, call.args))
+        comma = calls.decimal_comma(*map(span_of, call.args))
         if comma:
             self.fail(call.span.word(call.function), f"`{call.function}` has a number in two parts", comma)
 
@@ -425,15 +428,15 @@ class _Preparation:
             parameter = builder.parameters.get(named)
             takes = f"`{builder.name}` takes " + ", ".join(builder.parameters)
             if not named:
-                self.fail(_span(value), "the arguments of builders are named", takes)
+                self.fail(span_of(value), "the arguments of builders are named", takes)
             if parameter is None:
                 self.fail(
-                    _span(value),
+                    span_of(value),
                     f"`{builder.name}` has no argument `{named}`",
                     close_matches(named, builder.parameters) or takes,
                 )
             if named in call.names[:place]:
-                self.fail(_span(value), f"`{named}` is given twice", "keep one of them")
+                self.fail(span_of(value), f"`{named}` is given twice", "keep one of them")
             return named, self._number(value, parameter.unit, f"the argument `{named}`")
 
         arguments = dict(
@@ -456,10 +459,10 @@ class _Preparation:
 
     def _record(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
         if not isinstance(value, ast.RecordValue):
-            self.fail(_span(value), f"`{signal.name}` takes a record", _HOW["record"])
+            self.fail(span_of(value), f"`{signal.name}` takes a record", _HOW["record"])
 
         def read(name: str, value: ast.Expr) -> Any:
-            field = self._field(signal, name, _span(value))
+            field = self._field(signal, name, span_of(value))
             return self._points(value) if field.kind == "polyline" else self._scalar(field, value)
 
         return self._entries(value, read)
@@ -469,7 +472,7 @@ class _Preparation:
 
         def entry(place: int, field: str, value: ast.Expr) -> tuple[str, Any]:
             if field in record.names[:place]:
-                self.fail(_span(value), f"`{field}` is given twice", "keep one of them")
+                self.fail(span_of(value), f"`{field}` is given twice", "keep one of them")
             return field, read(field, value)
 
         entries = enumerate(zip(record.names, record.values))
@@ -488,7 +491,7 @@ class _Preparation:
             raise Poison
         if field.kind == "bool":
             if not isinstance(value, ast.Boolean):
-                self.fail(_span(value), f"`{field.name}` is true or false")
+                self.fail(span_of(value), f"`{field.name}` is true or false")
             return value.value
         if field.enumeration is not None:
             return self._member(field, field.enumeration, value)
@@ -503,11 +506,11 @@ class _Preparation:
         known, hint = ", ".join(enumeration.members), ""
         if isinstance(value, ast.Name):
             hint = close_matches(value.name, enumeration.members)
-        self.fail(_span(value), f"`{field.name}` is one of {known}", hint)
+        self.fail(span_of(value), f"`{field.name}` is one of {known}", hint)
 
     def _list(self, value: ast.Expr) -> tuple[ast.Expr, ...]:
         if not isinstance(value, ast.ListValue):
-            self.fail(_span(value), "a list is needed here", "write `[...]`")
+            self.fail(span_of(value), "a list is needed here", "write `[...]`")
         return value.values
 
     def _points(self, value: ast.Expr) -> list[list[float]]:
@@ -519,8 +522,8 @@ class _Preparation:
         parts = self._list(value)
         if len(parts) != 2:
             entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
-            hint = calls.decimal_comma(*map(_span, parts)) or "write `[x, y]`"
-            self.fail(_span(value), f"a pair is needed here, this has {entries}", hint)
+            hint = calls.decimal_comma(*map(span_of, parts)) or "write `[x, y]`"
+            self.fail(span_of(value), f"a pair is needed here, this has {entries}", hint)
         return self._x.all(
             *(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units))
         )
@@ -533,10 +536,10 @@ class _Preparation:
         number = self._constant(value, what, parse_unit(unit)[2], unit, field)[0]
         literal = value.operand if isinstance(value, ast.Unary) else value
         if number != 0.0 and isinstance(literal, ast.Number) and not literal.unit and unit != "1":
-            text = _span(value).text
+            text = span_of(value).text
             if unit != "rad":  # of an angle, or a percentage: which other numbers look like
-                self.fail(_span(value), f"{what} is a number in {unit}", f"write the unit: `{text} {unit}`")
-            self._found.append(BareAngle(_span(value), None, f"write `{text} deg` or `{text} rad`", what))
+                self.fail(span_of(value), f"{what} is a number in {unit}", f"write the unit: `{text} {unit}`")
+            self._found.append(BareAngle(span_of(value), None, f"write `{text} deg` or `{text} rad`", what))
         return number
 
     def _si(self, value: ast.Expr, dimension: Dimension, what: str) -> float:
@@ -549,7 +552,7 @@ class _Preparation:
         """A constant in SI with its dimension, which may be given, and with that the unit in which it is declared."""
         if isinstance(value, (ast.ListValue, ast.RecordValue)):
             self.fail(
-                _span(value),
+                span_of(value),
                 f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}",
             )
         checked = self._x.number(value, self._ctx)
@@ -557,7 +560,7 @@ class _Preparation:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
             bare = checked.dimension == NUMBER
             things = () if bare or field is None else _declared(field.name, field, show(checked.dimension))
-            self.fail(_span(value), problem, calls.unit_hint(checked, wanted, declared), declared=things)
+            self.fail(span_of(value), problem, calls.unit_hint(checked, wanted, declared), declared=things)
         params = self._spec.params
         plain = typed.literal(checked)
         if plain is not None:
@@ -568,7 +571,7 @@ class _Preparation:
             raise Poison  # a parameter whose declaration was reported
         number = constant_value(core, lambda qualified: params[qualified].value)
         if number is None:
-            self.fail(_span(value), "this depends on an input", "a test gives constants")
+            self.fail(span_of(value), "this depends on an input", "a test gives constants")
         self._meant.number(value, core, number)
         return number, checked.dimension
 
@@ -585,11 +588,11 @@ class _Preparation:
         )
         if margin is not None and expect.verdict == "undefined" and not math.isnan(margin):
             assert expect.margin is not None
-            self.fail(_span(expect.margin), "an undefined rule has no margin", "expect the verdict only")
+            self.fail(span_of(expect.margin), "an undefined rule has no margin", "expect the verdict only")
         if unit is not None and other is not None and unit != other:
             assert expect.tolerance is not None
             problem = f"a margin in {unit} has no tolerance in {other}"
-            self.fail(_span(expect.tolerance), problem, f"write it in {unit}")
+            self.fail(span_of(expect.tolerance), problem, f"write it in {unit}")
         return expect.verdict, margin, tolerance, unit or other, expect.binder, at
 
     def _verdict(self, expect: ast.Expect) -> None:
@@ -627,7 +630,7 @@ class _Preparation:
     def _tolerance(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
         tolerance, unit = self._margin(value, rule)
         if not 0.0 <= tolerance < math.inf:
-            self.fail(_span(value), "a tolerance is finite and not negative")
+            self.fail(span_of(value), "a tolerance is finite and not negative")
         return tolerance, unit
 
     def _margin(self, value: ast.Expr, rule: RuleInfo | None) -> tuple[float, str | None]:
@@ -648,7 +651,7 @@ class _Preparation:
             problem = (
                 f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
             )
-            self.fail(_span(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
+            self.fail(span_of(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
         if rule.unit == SCALED:
             return number / dict(self._spec.scales).get(unit, 1.0), unit
         return number, unit
@@ -702,14 +705,9 @@ def _declared(name: str, field: FieldType, given: str) -> tuple[tuple[str, Span,
 
 def _decimal_comma(values: Sequence[ast.Expr]) -> str:
     """What to write for a list with decimal commas; empty where there are none, as in one of whole numbers that are written closely, `[0,1,2]`."""
-    spans = [_span(value) for value in values]
+    spans = [span_of(value) for value in values]
     closely = all(a.file.text[a.end : b.start] == "," for a, b in pairwise(spans))
     return "" if closely and all(span.text.isdecimal() for span in spans) else calls.decimal_comma(*spans)
-
-
-def _span(expr: ast.Expr) -> Span:
-    span: Span = expr.__dict__["span"]
-    return span
 
 
 __all__ = ["PreparedTest", "prepare"]
