@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.diagnostics.excerpt import printable
@@ -30,14 +30,19 @@ def _line(found: Finding) -> str:
             properties["col"] = place.column
             properties["endColumn"] = place.end_column
     properties["title"] = f"{found.code} {found.title}".rstrip()
-    shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     lines = [found.message, place.label]
     lines += [
         f"{':'.join(str(part) for part in (o.file, o.line) if part is not None)}: {o.label}"
         for o in found.related
     ]
     lines.append(f"help: {found.help}" if found.help else "")
-    return f"::{_COMMANDS[found.level]} {shown}::{_data(chr(10).join(line for line in lines if line))}"
+    return command(found.level, properties, "\n".join(line for line in lines if line))
+
+
+def command(level: str, properties: Mapping[str, object], text: str) -> str:
+    """One command, on one line whatever its parts hold."""
+    shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    return f"::{_COMMANDS[level]} {shown}::{_data(text)}"
 
 
 def _data(text: str) -> str:

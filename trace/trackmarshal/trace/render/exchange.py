@@ -8,12 +8,11 @@ from typing import Any
 from urllib.parse import quote
 
 import trackmarshal
+from trackmarshal.diagnostics.github import command
 from trackmarshal.trace.codes import CODES
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.matrix import Matrix
 from trackmarshal.trace.render.words import follows, tally
-
-_COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
 
 def render_sarif(matrix: Matrix, where: Callable[[str], str] = str) -> str:
@@ -75,8 +74,8 @@ def _location(place: Place, where: Callable[[str], str]) -> dict[str, Any]:
 def render_github(matrix: Matrix, where: Callable[[str], str] = str) -> str:
     """One workflow command a finding that stands for itself, since few are shown, and the verdict at the end."""
     lines = [_command(finding, where, matrix.following(finding)) for finding in matrix.standing]
-    level = "notice" if matrix.passes else "error"
-    lines.append(f"::{level} title=traceability::{_data(f'{matrix.verdict}: {tally(matrix)}')}")
+    level = "note" if matrix.passes else "error"
+    lines.append(command(level, {"title": "traceability"}, f"{matrix.verdict}: {tally(matrix)}"))
     return "\n".join(lines) + "\n"
 
 
@@ -89,7 +88,6 @@ def _command(finding: Finding, where: Callable[[str], str], following: Sequence[
         if finding.place.column:
             properties["col"] = finding.place.column
     properties["title"] = f"{finding.code} {CODES.get(finding.code, ('',))[0]}".rstrip()
-    shown = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
     text = "\n".join(
         [
             finding.message,
@@ -97,12 +95,4 @@ def _command(finding: Finding, where: Callable[[str], str], following: Sequence[
             *filter(None, [follows(following)]),
         ]
     )
-    return f"::{_COMMANDS[finding.level]} {shown}::{_data(text)}"
-
-
-def _data(text: str) -> str:
-    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
+    return command(finding.level, properties, text)
