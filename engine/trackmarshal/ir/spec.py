@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.nodes import IR, Axis, Formula, GridLookup, Lookup, Param, below
+from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.tables import LINEAR_CLAMP, Way
 from trackmarshal.node import Node
 from trackmarshal.source import Span
@@ -211,6 +212,11 @@ class RuleInfo(Node):
     names: tuple[Called, ...] = ()
     #: The course that it lives along, if its timeline is one.
     course: CourseInfo | None = None
+
+    @property
+    def over_run(self) -> bool:
+        """Whether its formula, or the range of that, speaks of other cycles than the present one: then it has a worst and a best case."""
+        return over_run(self.formula) or over_run(self.active)
 
     @property
     def advisory(self) -> bool:

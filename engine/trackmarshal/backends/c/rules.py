@@ -14,7 +14,6 @@ from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import COMPARISONS, Extreme
-from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.spec import RuleInfo
 
 #: How deep formulas may be nested; the generator goes down by calls.
@@ -87,7 +86,7 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
         waits = is_ahead(rule)
         full, series = _waiting(plan, rule) if waits else _function(plan, rule, False)
         functions, entry, counted = [full], f"tm_rule_{name}_any", full
-        if not grouped and not remembers(rule):
+        if not grouped and not rule.over_run:
             counted, more = _function(plan, rule, True)
             whole = _entry(plan, rule, name)
             functions, entry, series = [counted, full, whole], whole.name, max(series, more)
@@ -114,11 +113,6 @@ def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int]:
     body = (c.Evaluate(c.Name("in"), True), said)
     name = f"tm_rule_{plan.rule_names[rule.name]}_any"
     return c.Function((_SAID[False],), "void", name, PARAMETERS, body), 0
-
-
-def remembers(rule: RuleInfo) -> bool:
-    """Whether a rule is over the run: what it remembers is between a worst and a best case, as is then all that it says."""
-    return over_run(rule.formula) or over_run(rule.active)
 
 
 def _operations(
@@ -343,7 +337,7 @@ def group_codes(plan: Layout) -> list[GroupCode]:
 def _axis(rule: RuleInfo) -> ir.Axis | None:
     """The timeline or set that a rule quantifies over, if it does nothing else that loops; a projection on a prepared line does not."""
     formula, active = rule.formula, rule.active
-    if not isinstance(formula, ir.Quantify) or remembers(rule):
+    if not isinstance(formula, ir.Quantify) or rule.over_run:
         return None
     if active is not None and not (isinstance(active, ir.Quantify) and active.axis is formula.axis):
         return None

@@ -15,7 +15,7 @@ from trackmarshal.backends.over_run.now import Now, differing, happening
 from trackmarshal.backends.over_run.outcome import Outcome
 from trackmarshal.backends.results import Outcomes, Stateless, identity
 from trackmarshal.ir.margins import undecided
-from trackmarshal.ir.overrun import leaves, over_run
+from trackmarshal.ir.overrun import leaves
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
@@ -115,14 +115,14 @@ class Remembering:
     ) -> None:  # fmt: skip
         self.spec = spec
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
-        self._over = [rule for rule in self.rules if _over(rule)]
+        self._over = [rule for rule in self.rules if rule.over_run]
         self._advisory = advisory(self.rules)
         self._courses = Courses(self.rules)
         formulas = [
             formula for rule in self._over for formula in (rule.formula, rule.active) if formula is not None
         ]
         found = tuple(dict.fromkeys(leaf for formula in formulas for leaf in leaves(formula)))
-        self.inner = program(spec, [rule for rule in self.rules if not _over(rule)], found)
+        self.inner = program(spec, [rule for rule in self.rules if not rule.over_run], found)
         self._all_leaves = found
         self._of_leaves = partial(program, spec, [])
         self._engine = engine(self._over)
@@ -290,21 +290,15 @@ class Remembering:
 
 def remembers(rule: RuleInfo) -> bool:
     """Whether what a rule says of a cycle depends on others."""
-    return _over(rule) or rule.course is not None
-
-
-def _over(rule: RuleInfo) -> bool:
-    """Whether a rule's formula speaks of cycles, which an engine puts together."""
-    return over_run(rule.formula) or over_run(rule.active)
+    return rule.over_run or rule.course is not None
 
 
 def _places(rules: Sequence[RuleInfo]) -> list[tuple[bool, int]]:
     counts = {True: 0, False: 0}
     places = []
     for rule in rules:
-        over = _over(rule)
-        places.append((over, counts[over]))
-        counts[over] += 1
+        places.append((rule.over_run, counts[rule.over_run]))
+        counts[rule.over_run] += 1
     return places
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.overrun import over_run
 from trackmarshal.ir.reads import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN, known_again
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec
 from trackmarshal.node import Node
@@ -130,7 +129,7 @@ def of_cycles(spec: Spec, rules: Sequence[RuleInfo]) -> Contract:
         _names(spec),
         places_of(spec, rules),
         corridors_of(spec),
-        any(over_run(rule.formula) or over_run(rule.active) or rule.course is not None for rule in rules),
+        any(rule.over_run or rule.course is not None for rule in rules),
     )
 
 

@@ -17,7 +17,7 @@ from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.over_run.pairs import Pairs
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import CASES, TALLY, finished, remembers
+from trackmarshal.backends.c.rules import CASES, TALLY, finished
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import parts, recalls
 from trackmarshal.ir.reads import DRIVEN, reads_itself
@@ -65,7 +65,7 @@ def described(plan: Layout) -> dict[str, Any]:
         "comment": comment,
         "tally": TALLY if counts_samples(root for rule in plan.rules for root in roots(rule)) else "",
         "courses": [course(each, partial(_of_input, plan)) for each in plan.courses.values()],
-        "notes": any(map(remembers, plan.rules)),
+        "notes": any(rule.over_run for rule in plan.rules),
         "ahead": waiting.described(plan) if plan.future.rules else None,
     }
 
@@ -243,7 +243,7 @@ def _of_plan(node: ir.Formula | ir.Num) -> bool:
 
 def _note(plan: Layout) -> c.Function:
     """The operands of all operators over the run, and the states of all machines, in the cycle that is about to be past."""
-    rules = [rule for rule in plan.rules if remembers(rule)]
+    rules = [rule for rule in plan.rules if rule.over_run]
     operands = [operand for each in plan.kept.values() for operand in _operands(each)]
     writer = _Noting(plan, rules, False, operands)
     writer.root.names |= {"driven"}
