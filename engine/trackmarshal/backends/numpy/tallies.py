@@ -39,7 +39,7 @@ def tally(batch: Batch, node: ir.Tallied, operands: Sequence[Value], limit: Any)
         starts = begin, begin
     sure = _between(last(counted.worst.sat).astype(np.int64), starts[0])
     possible = _between(last(counted.best.sat * weights).astype(np.int64), starts[1])
-    return _compared(node, np.moveaxis(sure, -1, axis), np.moveaxis(possible, -1, axis), limit)
+    return compared(node, np.moveaxis(sure, -1, axis), np.moveaxis(possible, -1, axis), limit)
 
 
 def _weights(batch: Batch, axis: ir.Axis) -> Ints:
@@ -80,10 +80,12 @@ def _between(each: Ints, start: Ints) -> Ints:
     return found
 
 
-def _compared(node: ir.Tallied, count: Ints, most: Ints, limit: Any) -> Value:
-    """As `backends.over_run.counts` does it."""
+def compared(node: ir.Tallied | ir.Counted, count: Ints, most: Ints, limit: Any) -> Value:
+    """Counts, surely and possibly, compared with numbers, of samples and of cycles: as `backends.over_run.counts` does it."""
     measure, at_zero = COMPARISONS[node.op]
     sure, possible = count.astype(np.float64), most.astype(np.float64)
+    known = np.isfinite(limit)
+    limit = np.where(known, limit, 0.0)
     nearest = np.minimum(np.maximum(np.rint(limit), sure), possible)
     farthest = np.maximum(np.abs(sure - limit), np.abs(possible - limit))
     match measure:
@@ -97,7 +99,6 @@ def _compared(node: ir.Tallied, count: Ints, most: Ints, limit: Any) -> Value:
             raise AssertionError("a count is no member of an enumeration")
         case _:
             assert_never(measure)
-    known = np.isfinite(limit)
     worst, best = (np.where(known, end + 0.0, blank) for end, blank in zip(ends, (-np.inf, np.inf)))
     sides = [Side(end, NEITHER, (end > 0.0) | (at_zero & (end == 0.0))) for end in (worst, best)]
     return Value(*sides)

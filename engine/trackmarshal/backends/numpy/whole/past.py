@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy import temporal
-from trackmarshal.backends.numpy.logic import NEITHER, Side, Value
+from trackmarshal.backends.numpy.logic import Value
+from trackmarshal.backends.numpy.tallies import compared
 from trackmarshal.backends.numpy.whole import values
 from trackmarshal.backends.numpy.whole.elements import LONG_AGO, Elements, joined, one
 from trackmarshal.backends.numpy.whole.values import Pair, constant, of, pairs, taken, together
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import COMPARISONS, Measure
 from trackmarshal.runtime.kleene import FALSE, TRUE
 
 Counts = NDArray[np.int64]
@@ -133,7 +133,7 @@ class _Count:
         elif keep and node.upper is not None:
             rest = whole.since(int(whole.last[-1]) - node.upper)
             self._kept, self._arrays = whole.after(rest), [array[rest:].copy() for array in arrays]
-        return _compared(node, found[0][len(whole) - own :], found[1][len(whole) - own :], limit)
+        return compared(node, found[0][len(whole) - own :], found[1][len(whole) - own :], limit)
 
 
 def _since(count: Counts, begin: Any, anew: Any) -> Counts:
@@ -144,26 +144,3 @@ def _since(count: Counts, begin: Any, anew: Any) -> Counts:
         begin = np.maximum(begin, started)
     found: Counts = total[1:] - total[begin]
     return found
-
-
-def _compared(node: ir.Counted, low: Counts, high: Counts, limit: Any) -> Value:
-    """Counts, surely and possibly, compared with numbers: as `over_run.counts.compared`."""
-    sure, possible = low.astype(np.float64), high.astype(np.float64)
-    known = np.isfinite(limit)
-    limit = np.where(known, limit, 0.0)
-    measure, at_zero = COMPARISONS[node.op]
-    nearest = np.minimum(np.maximum(np.rint(limit), sure), possible)
-    farthest = np.maximum(np.abs(sure - limit), np.abs(possible - limit))
-    match measure:
-        case Measure.ROOM:
-            ends = (sure - limit, possible - limit) if node.turned else (limit - possible, limit - sure)
-        case Measure.NEARNESS:
-            ends = (-farthest, -np.abs(nearest - limit))
-        case Measure.DISTANCE:
-            ends = (np.abs(nearest - limit), farthest)
-        case Measure.SAMENESS:
-            raise AssertionError("a count is no member of an enumeration")
-    known = np.broadcast_to(known, sure.shape)
-    worst, best = np.where(known, ends[0], -np.inf), np.where(known, ends[1], np.inf)
-    holds = np.greater_equal if at_zero else np.greater
-    return Value(Side(worst, NEITHER, holds(worst, 0.0)), Side(best, NEITHER, holds(best, 0.0)))
