@@ -7,7 +7,7 @@ strong Kleene logic allows: the first transition whose guard surely holds ends t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
@@ -58,16 +58,21 @@ def widened(machine: ir.Machine, before: Possible, gap: int) -> Possible:
     """
     if gap <= machine.bridges:
         return before
-    reached: set[str] = set()
-    stack = list(before)
+    unknown: Held = (None,) * (1 + len(machine.names))
+    return {**before, **dict.fromkeys(reached(machine, before), unknown)}
+
+
+def reached(machine: ir.Machine, states: Iterable[str]) -> list[str]:
+    """The states that some number of transitions, at least one, may lead to from any of these, in the order of the machine's."""
+    found: set[str] = set()
+    stack = list(states)
     while stack:
         state = stack.pop()
         for target, sources in zip(machine.targets, machine.sources):
-            if state in sources and target not in reached:
-                reached.add(target)
+            if state in sources and target not in found:
+                found.add(target)
                 stack.append(target)
-    unknown: Held = (None,) * (1 + len(machine.names))
-    return {**before, **{state: unknown for state in machine.states if state in reached}}
+    return [state for state in machine.states if state in found]
 
 
 def unknown(machine: ir.Machine) -> Possible:

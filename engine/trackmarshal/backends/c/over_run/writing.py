@@ -18,6 +18,7 @@ from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.over_run.pairs import Pairs
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rules import CASES, TALLY, finished
+from trackmarshal.backends.over_run.machines import reached
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import parts, recalls
 from trackmarshal.ir.reads import DRIVEN, reads_itself
@@ -142,24 +143,11 @@ def _machine(machine: ir.Machine) -> dict[str, Any]:
         for state in states
     }  # fmt: skip
     return {
-        "states": [{"name": comment(state), "leads": leads[state], "reached": _reached(machine, state)} for state in states],
+        "states": [{"name": comment(state), "leads": leads[state], "reached": list(map(states.index, reached(machine, [state])))} for state in states],
         "bridges": f"INT64_C({machine.bridges})" if machine.bridges else "",
         "start": states.index(machine.start), "names": [comment(name) for name in names],
         "guards": range(len(machine.guards)), "numbers": range(len(machine.numbers)),
     }  # fmt: skip
-
-
-def _reached(machine: ir.Machine, state: str) -> list[int]:
-    """The states that some number of transitions, at least one, may lead to."""
-    found: list[str] = []
-    stack = [state]
-    while stack:
-        before = stack.pop()
-        for target, sources in zip(machine.targets, machine.sources):
-            if before in sources and target not in found:
-                found.append(target)
-                stack.append(target)
-    return sorted(machine.states.index(each) for each in found)
 
 
 def _room(each: Cell) -> str:
