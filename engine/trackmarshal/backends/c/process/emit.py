@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from trackmarshal.backends.c.binding import SAID
 from trackmarshal.backends.c.cycles import FOUND, label
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
-from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.names import literal
 from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
 from trackmarshal.backends.c.process.regions import BELL, LINE, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
 from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Table, sizes_of, table
+from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.machine import STATES
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 #: Why an executing layer does what it does, in the order in which C counts.
 WHYS = {
@@ -56,25 +53,9 @@ class Emitted:
         self.sizes = dict(made.capacities)
         self.description = describe(source, made, limits, settings.params, settings.tables)
         context = _context(source, made, self.description, limits, settings)
-        self.files = {name: _render(f"{name}.j2", context) for name in _GENERATED}
+        self.files = {name: render(f"{name}.j2", context, _FOLDER) for name in _GENERATED}
         self.files |= {name: (_FOLDER / name).read_text(encoding="utf-8") for name in _PLAIN}
         self.files["messages.json"] = text_of(self.description)
-
-
-def _render(template: str, context: Mapping[str, Any]) -> str:
-    return _environment().get_template(template).render(context)
-
-
-@cache
-def _environment() -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    made = Environment(
-        loader=FileSystemLoader(_FOLDER), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True,
-        autoescape=False,
-    )  # fmt: skip
-    made.filters["as_comment"] = comment
-    return made
 
 
 def _context(
