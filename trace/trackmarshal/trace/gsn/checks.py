@@ -17,6 +17,7 @@ from trackmarshal.trace.gsn.case import (
     Case,
     Element,
     Link,
+    a_kind,
 )
 from trackmarshal.trace.gsn.statuses import defeated, way_down
 from trackmarshal.trace.matrix import Matrix
@@ -134,7 +135,7 @@ def _ends(link: Link, source: Element, target: Element) -> Iterator[Finding]:
             elif target.kind not in SUPPORTS.get(source.kind, ()):
                 allowed = ", ".join(sorted(SUPPORTS.get(source.kind, ()))) or "nothing"
                 code = "T422" if target.kind in COUNTER else "T404"
-                yield error(code, f"{_called(source)} is supported by {_called(target)}", link.place, f"{_a(source.kind)} may be supported by {allowed}")  # fmt: skip
+                yield error(code, f"{_called(source)} is supported by {_called(target)}", link.place, f"{a_kind(source.kind)} may be supported by {allowed}")  # fmt: skip
         case "in_context_of":
             if source.kind not in ("goal", "strategy") or target.kind not in BESIDE:
                 message = f"{_called(target)} stands in the context of {_called(source)}"
@@ -249,10 +250,6 @@ def _path(path: list[str]) -> str:
 
 def _called(element: Element) -> str:
     return f"the {element.kind} `{element.id}`"
-
-
-def _a(kind: str) -> str:
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _any(case: Case) -> Place | None:

@@ -9,7 +9,7 @@ from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.graph.graph import Graph, Key, Node, holds
 from trackmarshal.trace.graph.kinds import LINKS, WAYS
 from trackmarshal.trace.graph.schema import fits
-from trackmarshal.trace.gsn.case import BESIDE, COUNTER, OPEN, Case, Element, Link
+from trackmarshal.trace.gsn.case import BESIDE, COUNTER, OPEN, Case, Element, Link, a_kind
 from trackmarshal.trace.gsn.document import ALL, ITSELF, WALKS, Step, Template
 from trackmarshal.trace.gsn.statuses import below_first
 from trackmarshal.trace.gsn.subjects import Subjects
@@ -49,7 +49,7 @@ class Filling:
         """Everything below the top goal; raises nothing: what cannot be filled in is a finding (T400, T415, T416, T420)."""
         template = self._templates.get(top)
         if template is None or template.about != "project":
-            why = "there is none" if template is None else f"it is about {_a(template.about)}"
+            why = "there is none" if template is None else f"it is about {a_kind(template.about)}"
             message = f"the top goal's template is to be `{top}`, about the project, and {why}"
             self.findings.append(error("T400", message, place, did_you_mean(top, self._templates)))
             return
@@ -110,10 +110,10 @@ class Filling:
         starts, ends = _reach(step.over, at.about, to.about)
         if (starts and at.about not in starts) or (ends and to.about not in ends):
             if starts and at.about not in starts:
-                has = f"{_a(at.about)} has no `{step.over}`"
+                has = f"{a_kind(at.about)} has no `{step.over}`"
                 help_ = "it has " + ", ".join(way for way in (ITSELF, ALL, *WALKS, *WAYS) if at.about in (_reach(way, at.about, to.about)[0] or (at.about,)))  # fmt: skip
             else:
-                has = f"`{step.over}` leads to {' or '.join(ends)}, and the template `{to.name}` is about {_a(to.about)}"  # fmt: skip
+                has = f"`{step.over}` leads to {' or '.join(ends)}, and the template `{to.name}` is about {a_kind(to.about)}"  # fmt: skip
                 help_ = "name a template that is about that, or go another way"
             self.findings.append(error("T420", f"the template `{at.name}`: {has}", step.over.place, help_))
             return False
@@ -210,10 +210,6 @@ class Filling:
         while f"{id_}-{number}" in self.elements:
             number += 1
         return f"{id_}-{number}"
-
-
-def _a(kind: str) -> str:
-    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _reach(over: str, at: str, to: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
