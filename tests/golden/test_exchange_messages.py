@@ -56,9 +56,14 @@ def test_messages(
             said.append("> export requirements --out out.reqif\n" + capsys.readouterr().err)
         status = main(line.split())
         said.append(f"> {line}\n{capsys.readouterr().err}exit status {status}\n")
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
+    assert main(["export", "requirements", "--format", "needs"]) == 2
+    said.append(
+        f"> SOURCE_DATE_EPOCH=yesterday export requirements --format needs\n{capsys.readouterr().err}"
+    )
     actual = "\n".join(said)
     if os.environ.get("TRACKMARSHAL_UPDATE_GOLDEN") == "1":
         GOLDEN.write_text(actual, encoding="utf-8")
     assert actual == GOLDEN.read_text(encoding="utf-8")
-    for code in ("T351", "T352", "T359", "T360", "T361", "T362"):
+    for code in ("T351", "T352", "T359", "T360", "T361", "T362", "T366"):
         assert f"error[{code}]" in actual

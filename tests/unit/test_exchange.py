@@ -108,6 +108,19 @@ def test_the_same_requirements_are_the_same_file(
     assert b"\r\n" in printed[0]
 
 
+@pytest.mark.parametrize("said", ["²", "99999999999999", "-5", "yesterday", "1767312000.5", " "])
+def test_a_day_that_is_none_is_not_today(
+    said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsysbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    """Whoever says when wants the same bytes tomorrow: another time than that would be a guess."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", said)
+    monkeypatch.chdir(project(tmp_path))
+    assert main(["export", "requirements", "--format", "needs"]) == 2
+    out, told = capsysbinary.readouterr()
+    assert out == b""
+    assert b"error[T366]" in told
+
+
 FOREIGN_CSV = """Key,Name,Text,Owner,Priority
 AB-1,Braking,"The vehicle shall brake, always.",=Ada,3
 """

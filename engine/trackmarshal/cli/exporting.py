@@ -59,10 +59,16 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _created() -> datetime:
-    """Now, or what SOURCE_DATE_EPOCH says, so that the same requirements can be the same file."""
+    """Now, or what SOURCE_DATE_EPOCH says, so that the same requirements can be the same file; raises T366 for what is no time."""
+    from trackmarshal.trace.exchange import Refused
+
     given = os.environ.get("SOURCE_DATE_EPOCH", "")
-    return (
-        datetime.fromtimestamp(int(given), UTC)
-        if given.isdigit()
-        else datetime.now(UTC).replace(microsecond=0)
-    )
+    if not given:
+        return datetime.now(UTC).replace(microsecond=0)
+    try:
+        if not (given.isascii() and given.isdigit()):
+            raise ValueError(given)
+        return datetime.fromtimestamp(int(given), UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        help_ = "give whole seconds since 1970, as `git log -1 --format=%ct` prints them, or leave it out"
+        raise Refused("T366", f"SOURCE_DATE_EPOCH is {given!r}, which is no time", "", help=help_) from error

@@ -13,4 +13,5 @@ CODES: dict[str, tuple[str, str]] = {
     "T359": ("a package for ReqIF is missing", "ReqIF is read and written by the package `reqif`, an extra of its own, so that nobody has to install it who does not need it."),
     "T360": ("nothing says what is to be written or read", "The format follows from the end of the file's name, or from `--format`; a file holds one list of requirements, a folder several; and fields have the names that docs/exchange.md lists."),
     "T365": ("requirements lose something when they are written over", "What is taken over replaces a file of the project that holds more: requirements that the other tool does not have any more, or a higher ASIL. With `--force` it is written over all the same, so each of them is named. A file that is there and is no list of requirements, such as the V-model, is not written over at all."),
+    "T366": ("SOURCE_DATE_EPOCH is no time", "It says when a file is made, so that the same requirements are the same bytes on another day: whole seconds since 1970. A file with another day in it would be a guess, so none is written."),
 }  # fmt: skip
