@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, assert_never
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.ranking import above
@@ -99,6 +99,8 @@ class Rulebooks:
             case Diagnostic():
                 self._found.append(looked_up)
                 return _UNKNOWN
+            case _:
+                assert_never(looked_up)
 
     def _made(self, item: ast.Rulebook, base: _Book | None) -> _Book:
         places: dict[str, Span] = {}

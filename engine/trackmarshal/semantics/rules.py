@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from typing import Literal
+from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
@@ -95,6 +95,8 @@ class RuleBuilder:
                     text["evidence"] = clause.path
                 case ast.Owner():
                     text["owner"] = clause.text
+                case _ if not isinstance(clause, (*_SCENE, ast.Require, ast.Allow)):  # which others read
+                    raise AssertionError(f"unknown clause {type(clause).__name__}")
         for name, span in assuming:
             if name not in assumptions:
                 unknown = self.ctx.scope.unknown(name, span, "assumption", "")
@@ -318,6 +320,8 @@ class RuleBuilder:
                         made.append(
                             typed.Require(keyword, self.x.formula(clause.condition, ctx), clause.span)
                         )
+                    case _:
+                        assert_never(clause)
             except (Poison, RecursionError) as error:
                 failed = True
                 if isinstance(error, RecursionError):

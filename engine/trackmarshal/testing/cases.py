@@ -233,6 +233,8 @@ class _Preparation:
                 case["tables"][symbol.qualified] = rows
             case ast.Place():
                 case["places"][symbol.qualified] = self._points(entry.value)
+            case _:
+                raise AssertionError(f"a test gives no {type(item).__name__}")
 
     def _unknown(self, entry: ast.Given) -> NoReturn:
         kinds = (ast.Signal, ast.Event, ast.Param, ast.ParamRecord, ast.Table, ast.Place)

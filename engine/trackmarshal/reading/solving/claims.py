@@ -263,6 +263,8 @@ def _ordered(op: typed.Comparing, left: Expr, right: Expr) -> _Demand:
             return right, left, op == ">"
         case "==" | "!=":
             raise Unsolvable("equality")
+        case _:
+            assert_never(op)
 
 
 def _compiled(

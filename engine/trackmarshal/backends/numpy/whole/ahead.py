@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Never
+from typing import Never, assert_never
 
 import numpy as np
 
@@ -135,6 +135,8 @@ class Looking:
                         return _or(_and(a, _not(b)), _and(_not(a), b))
                     case "iff":
                         return _not(_or(_and(a, _not(b)), _and(_not(a), b)))
+                    case _:
+                        assert_never(node.op)
             case ir.Guarded():
                 return _or(_not(self.times(node.guard)), self.times(node.body))
             case ir.OverRun():

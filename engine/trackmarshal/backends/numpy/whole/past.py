@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any, Protocol, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,8 @@ def operator(node: ir.OverRun | ir.Counted) -> Operator:
             return _Window(node)
         case "always" | "eventually" | "until" | "next":
             raise AssertionError(f"`{node.op}` does not look back")
+        case _:
+            assert_never(node.op)
 
 
 class _Previous:
