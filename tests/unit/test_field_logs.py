@@ -349,6 +349,12 @@ def test_mcap(tmp_path: Path) -> None:
             log.read(mapping.read(where), written(silent, encoding))
         assert error.value.code == code
         assert said in error.value.message
+    for place in ("²", "9" * 5000):
+        other = tmp_path / "other"
+        other.mkdir(exist_ok=True)
+        astray, _ = field_logs.write(other, CLEAN, declared.replace("/odom.pose.0,", f"/odom.pose.{place},"))
+        with pytest.raises(TrackmarshalError, match=r"D170.*has no `pose"):
+            log.read(mapping.read(astray), written(100.0))
     whole = written(100.0).read_bytes()
     for _ in range(60):
         draw = random.Random(_)

@@ -147,7 +147,8 @@ def _value(latest: tuple[int, Any], way: tuple[str, ...], topic: str, shown: str
     if way == (LOG_TIME,):
         return at / 1e9
     for name in way:
-        if isinstance(value, list) and name.isdigit() and int(name) < len(value):
+        counted = name.isascii() and name.isdigit() and len(name) < 10
+        if isinstance(value, list) and counted and int(name) < len(value):
             value = value[int(name)]
             continue
         if not isinstance(value, dict) or name not in value:
