@@ -10,7 +10,6 @@ from __future__ import annotations
 import argparse
 import json
 import math
-import os
 import sys
 from collections import Counter
 from dataclasses import replace
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.output import progress, say, table
-from trackmarshal.cli.project import find_project, optional_project
+from trackmarshal.cli.project import find_project, from_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary
 
@@ -125,9 +124,9 @@ def _summary(made: Report, judged: Judgement, root: Path) -> RunSummary:
         first = float(judged.times[violated[0]]) if len(violated) else None
         facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first))
     source = Path(drive.mapping.source)
-    made_from = {_from(root, path): digest for path, digest in drive.sources.items()}
+    made_from = {from_project(root, path): digest for path, digest in drive.sources.items()}
     return RunSummary(
-        _from(root, str(source)), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},
+        from_project(root, source), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},
         bool(unsafe.any()) or bool(judged.faults), now(), dict(sorted(made_from.items())), inputs=inputs,
         overrides=tuple(map(str, overrides(drive.recording, spec))),
         defaults={name: ", ".join(rules) for name, rules in defaulted(drive.recording, spec, judged.evaluator.rules).items()},
@@ -146,8 +145,3 @@ def _driven(made: Report) -> DriveFacts:
     )
     firings = Counter(one.rule for one in made.firings if one.cause != MAP)
     return DriveFacts(round(made.hours, 6), round(made.km, 6), dict(sorted(firings.items())), tuple(least))
-
-
-def _from(root: Path, path: str) -> str:
-    """A path from the project, with forward slashes, wherever it leads."""
-    return Path(os.path.relpath(os.path.abspath(path), root)).as_posix()

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from trackmarshal.cli.output import say
-from trackmarshal.cli.project import optional_project
+from trackmarshal.cli.project import from_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import write_whole
 from trackmarshal.json_text import named_twice
@@ -32,11 +32,11 @@ def run(args: argparse.Namespace) -> int:
     root = optional_project(args)
     targets = _targets(documents, path, root, args.out)
     project = load(root)[0] if root is not None and (root / "requirements").is_dir() else None
-    written = {_from(root, target) for target in targets} if root is not None else set()
+    written = {from_project(root, target) for target in targets} if root is not None else set()
     found += exchange.check(documents, project, written)
     there = [target for target in targets if os.path.lexists(target)]
     found += exchange.lost(
-        documents, [(one, str(one) if root is None else _from(root, one)) for one in there]
+        documents, [(one, str(one) if root is None else from_project(root, one)) for one in there]
     )
     for finding in dict.fromkeys(found):
         if finding.level == "error" or not args.quiet:
@@ -94,10 +94,6 @@ def _name(name: str) -> str:
     """A list's name as a path without a way out of its folder."""
     parts = [re.sub(r"[^\w.-]+", "-", part).strip(".-") for part in name.split("/")]
     return "/".join(part for part in parts if part) or "requirements"
-
-
-def _from(root: Path, target: Path) -> str:
-    return Path(os.path.relpath(os.path.abspath(target), root)).as_posix()
 
 
 def _write(target: Path, text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,6 +36,11 @@ def find_project(args: argparse.Namespace) -> Path:
             help="go into a project, or name one with --project DIR",
         )
     return project
+
+
+def from_project(root: Path, path: Path | str) -> str:
+    """A path from the project, with forward slashes, wherever it leads."""
+    return Path(os.path.relpath(os.path.abspath(path), root)).as_posix()
 
 
 def optional_project(args: argparse.Namespace) -> Path | None:
