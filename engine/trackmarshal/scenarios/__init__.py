@@ -55,13 +55,13 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
     if suffix in (".yaml", ".yml"):
         from trackmarshal.scenarios.field import mapping
 
-        if mapping.is_mapping(data):
+        if content.is_of(data, mapping.FORMAT):
             from trackmarshal.scenarios.field.build import build
 
             return build(mapping.read(path, shown)).recording
         from trackmarshal.scenarios.generate import archived, generate
 
-        if archived.is_archived(data):
+        if content.is_of(data, archived.FORMAT):
             return archived.load(path, shown)
         return generate(path, shown)
     help_ = (

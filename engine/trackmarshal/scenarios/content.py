@@ -34,6 +34,13 @@ def read(path: Path, shown: str) -> bytes:
         ) from error
 
 
+def is_of(data: bytes, format: str) -> bool:
+    """Whether a YAML text says of itself that it is of a format."""
+    return any(
+        line.split(b"#")[0].split() == [b"format:", format.encode()] for line in data.splitlines()[:200]
+    )
+
+
 def too_large(shown: str, what: str) -> TrackmarshalError:
     return TrackmarshalError(
         "D124",

@@ -119,13 +119,6 @@ def read(path: Path, shown: str | None = None) -> Mapping:
     return _mapping(root, path.parent)
 
 
-def is_mapping(data: bytes) -> bool:
-    """Whether a YAML text says of itself that it is one."""
-    return any(
-        line.split(b"#")[0].split() == [b"format:", FORMAT.encode()] for line in data.splitlines()[:200]
-    )
-
-
 def _mapping(root: Item, folder: Path) -> Mapping:
     top = root.fields(
         ("format", "version", "name", "columns", "track", "vehicle", "plan", "emergency"),

@@ -18,13 +18,6 @@ from trackmarshal.scenarios.recording import Recording
 FORMAT = "trackmarshal-archive"
 
 
-def is_archived(data: bytes) -> bool:
-    """Whether a YAML text says of itself that it is such a declaration."""
-    return any(
-        line.split(b"#")[0].split() == [b"format:", FORMAT.encode()] for line in data.splitlines()[:200]
-    )
-
-
 def load(path: Path, shown: str) -> Recording:
     """The archive that a declaration names, with the signals and truths that it gives; raises D120 to D131, D150, D151, D175, D250 to D255."""
     fields = document.read(content.read(path, shown), shown).fields(
