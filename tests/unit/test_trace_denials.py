@@ -6,16 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from trackmarshal.records import SpecItem
 from trackmarshal.trace import denials
 from trackmarshal.trace.findings import Place
 
-ITEM = SpecItem("assume", "A-SEEN", "t", (), (), "a.spec", 1, 1, "f", evidence="seen.md")
+CLAIM = denials.Claim("seen.md", "A-SEEN", "assumption", Place("a.spec", 1, 1))
 
 
 def of(folder: Path, text: str) -> denials.Denials:
     (folder / "seen.md").write_text(text, "utf-8")
-    return denials.load(folder, [ITEM])
+    return denials.load(folder, [CLAIM])
 
 
 #: Written down without looking at the phrases: what pages say that hold a place.
@@ -37,6 +36,7 @@ FULL = (
     "Road work in progress was signed.", "A tracker awaiting measurements coasts.", "The change has to be confirmed by the driver.", "The field is left blank at night.",
     "No measurement was later than 140 ms.", "No test failed.", "Nothing was missed.", "Nobody has been on the track.", "Tests were done on 12 days; all are in report 7.",
     "The evidence is in report 7.", "The report is complete.", "todo-list.md names who checks what.", "The value will be added to the sum.", "tbdm is a module.",
+    "Where there is none, nothing is driven.", "He asks until there is none.", "40 h were driven; none was missed.", "| S-3 | none | 12 |",
     "Not measured values are marked as such.", "The claim is tested by 40 drives.", "The assumption is not untested: see report 7.",
 )  # fmt: skip
 
@@ -67,11 +67,11 @@ def test_each_phrase_is_found_as_it_is_read(phrase: str, tmp_path: Path) -> None
 
 def test_a_project_has_phrases_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "seen.md").write_text("Der Nachweis steht\nnoch aus.\n", "utf-8")
-    assert denials.load(tmp_path, [ITEM]) == {}
-    found = denials.load(tmp_path, [ITEM], ("steht|stehen noch aus",))
+    assert denials.load(tmp_path, [CLAIM]) == {}
+    found = denials.load(tmp_path, [CLAIM], ("steht|stehen noch aus",))
     assert found == {("seen.md", "A-SEEN"): (Place("seen.md", 1, 14), "steht noch aus")}
     (tmp_path / "seen.md").write_text("There is none.\n", "utf-8")
-    assert list(denials.load(tmp_path, [ITEM], ("steht noch aus",))) == [("seen.md", "A-SEEN")]
+    assert list(denials.load(tmp_path, [CLAIM], ("steht noch aus",))) == [("seen.md", "A-SEEN")]
 
 
 def test_of_what_is_named_its_own_paragraphs_count(tmp_path: Path) -> None:
@@ -85,6 +85,56 @@ def test_of_what_is_named_its_own_paragraphs_count(tmp_path: Path) -> None:
 
 def test_what_cannot_be_read_says_nothing(tmp_path: Path) -> None:
     (tmp_path / "seen.md").write_bytes(b"\xff\xfeno evidence")
-    assert denials.load(tmp_path, [ITEM]) == {}
+    assert denials.load(tmp_path, [CLAIM]) == {}
     (tmp_path / "seen.md").unlink()
-    assert denials.load(tmp_path, [ITEM]) == {}
+    assert denials.load(tmp_path, [CLAIM]) == {}
+
+
+def about(
+    folder: Path, page: str, kind: str = "requirement", name: str = "S-1", path: str = "page.md"
+) -> bool:
+    """Whether a page denies what it is to show."""
+    (folder / path).write_text(page, "utf-8")
+    claim = denials.Claim(path, name, kind, Place("v-model.yaml", 1, 1))
+    return claim.key in denials.load(folder, [claim])
+
+
+@pytest.mark.parametrize(
+    ("page", "denied"),
+    [
+        ("# S-1\n\nNo measurement was made yet.\n", True),
+        ("Latency\n=======\n\nThis is evidence of S-1.\n\nIt has not been measured yet.\n", True),
+        ("# The target\n\nNot yet measured.\n", True),  # it names nothing: all of it counts
+        ("## S-1\n\nReport 7.\n\n### In the heat\n\nNot yet measured.\n", True),
+        ("## S-1\n\nReport 7.\n\n## Others\n\nNot yet measured.\n", False),
+        ("## S-1\n\nReport 7.\n\nS-2 was not yet measured.\n\nNobody has measured it.\n", False),
+        ("- S-1: report 7\n- S-2: to be announced\n", False),
+        ("- S-2: report 7\n- S-1: to be announced\n", True),
+        ("| S-1 | report 7 |\n| S-2 | tbd |\n", False),
+        ("| S-2 | report 7 |\n| S-1 | tbd |\n", True),
+        ("S-1 is shown by report 7.\n\n# Limits\n\nHeat: not yet measured.\n", False),
+    ],
+)
+def test_what_stands_at_a_name_is_about_it(page: str, denied: bool, tmp_path: Path) -> None:
+    assert about(tmp_path, page) is denied
+    assert about(tmp_path, page, "assumption") is denied
+
+
+def test_of_the_design_sections_alone_count(tmp_path: Path) -> None:
+    assert about(tmp_path, "# Layout\n\n## S-1\n\nThis has yet to be written.\n", "section")
+    assert about(tmp_path, "# Layout\n\n## S-1\n\nAs in S-2.\n\n- DE-2: tbd\n", "section")
+    assert not about(tmp_path, "# Layout\n\nS-1 is not yet measured.\n\n## S-1\n\nA timer.\n", "section")
+    assert not about(tmp_path, "# Layout\n\n## S-2\n\nThis has yet to be written.\n", "section")
+
+
+def test_words_of_data_are_names(tmp_path: Path) -> None:
+    assert not about(tmp_path, '{"passed": 12, "todo": 0}', path="counts.json")
+    assert about(tmp_path, "passed: 12, todo: 0", "assumption", path="counts.yaml")
+
+
+def test_a_page_is_read_once_however_much_it_is_to_show(tmp_path: Path) -> None:
+    """Blocks are looked through for each claim, and texts are not."""
+    (tmp_path / "page.md").write_text("".join(f"- S-{n}: tbd\n" for n in range(300)), "utf-8")
+    many = [denials.Claim("page.md", f"S-{n}", "requirement", Place("v.yaml", 1, 1)) for n in range(300)]
+    found = denials.load(tmp_path, many)
+    assert [place.line for place, _ in found.values()] == list(range(1, 301))

@@ -62,6 +62,8 @@ def cell(made: Small) -> tuple[str, list[str]]:
         (PAGE.replace("S-1-B-1:", "S-1-B-11:"), "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
         (PAGE.replace("A timer of its own.\n", ""), "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
         (f"```text\n{PAGE}```\n", "partial", "DE-1: no section of docs/layout.md is about S-1-B-1"),
+        (PAGE.replace("A timer of its own.", "How has not been\nwritten yet."), "partial", "DE-1: docs/layout.md, section S-1-B-1, says that it is still to come"),
+        (PAGE.replace("Another one.", "How has not been\nwritten yet."), "covered", "DE-1: docs/layout.md, section S-1-B-1"),
     ],
 )  # fmt: skip
 def test_a_cell_is_green_on_its_own_section_alone(
@@ -87,6 +89,16 @@ def test_an_analysis_that_leaves_something_open_shows_nothing(
     tmp_path: Path, more: str, status: str, detail: str
 ) -> None:
     assert cell(small(tmp_path, counts="analysis", more=more)) == (status, [detail])
+
+
+def test_an_analysis_that_says_that_it_was_not_made_shows_nothing(tmp_path: Path) -> None:
+    made = small(tmp_path, PAGE + "\n# AN-1\n\nThis analysis has not been done yet.\n", "analysis")
+    assert cell(made) == ("partial", ["AN-1: its document says that there is none"])
+    said = [(f.subject, f.message) for f in trace.gate(made.matrix()) if f.code == "T253"]
+    assert said == [("AN-1", 'the document `docs/layout.md` of the analysis `AN-1` says that there is none: "not been done yet"')]  # fmt: skip
+    # One that leaves something open says so itself, and may say it in its document.
+    made.replace("requirements/assurance.yaml", "docs/layout.md}", "docs/layout.md, open: [All of it.]}")
+    assert "T253" not in {finding.code for finding in made.matrix().findings}
 
 
 def test_another_section_is_noticed_and_the_rest_of_the_page_is_not(tmp_path: Path) -> None:

@@ -179,6 +179,8 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                 status, detail = "missing", "not there" if actual is None else "says nothing"
             elif entry.sha256 and actual != entry.sha256:
                 status, detail = "stale", "changed since it was reviewed"
+            elif (str(entry.path), str(requirement.id)) in ground.outside.denials:
+                status, detail = "partial", "says that there is none"
             else:
                 status, detail = "covered", ""
             items.append(Item("document", entry.path, entry.title, status, detail, Place(entry.path)))

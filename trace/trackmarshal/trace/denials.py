@@ -6,11 +6,15 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 from trackmarshal.files import read_regular
 from trackmarshal.records import SpecItem
+from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place
-from trackmarshal.trace.spec import Spec, item_place
+from trackmarshal.trace.model import Project, matches
+from trackmarshal.trace.shapes import ID
+from trackmarshal.trace.spec import item_place
 
 #: What such pages say; a project adds phrases of its own under `denials`.
 PHRASES = Path(__file__).with_name("denials.txt")
@@ -19,7 +23,29 @@ _MARKS = re.compile(r"[\s*>]")
 #: Larger files, and files that are no text, are not read.
 _MOST = 1_000_000
 
-#: By path and assumption, the place where a document says so of it, and its words.
+#: What stands in a block of its own: an item of a list, a row of a table.
+_ITEM = re.compile(r"\s*(?:[-*+]\s|\d+[.)]\s|\|)")
+_ID = re.compile(rf"(?<![\w-]){ID}(?![\w-])")
+_WORD = re.compile(r"[\w-]+")
+#: Files that programs read, in which words such as `todo` are names.
+_DATA = (".json", ".jsonl", ".csv", ".tsv", ".xml", ".yaml", ".yml")
+
+
+class Claim(NamedTuple):
+    """A document that is to show something of a thing. kind: of the document's part; where: what it is about; section: it alone counts."""
+
+    path: str
+    name: str
+    kind: str
+    place: Place
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """By which it stands among the denials: a section of the design for itself, as the page may be evidence too."""
+        return (sections.key(self.path, self.name) if self.kind == "section" else self.path), self.name
+
+
+#: By path and assumption, requirement, analysis or review, the place where a document says so of it, and its words.
 Denials = Mapping[tuple[str, str], tuple[Place, str]]
 
 
@@ -37,52 +63,117 @@ def _pattern(said: tuple[str, ...]) -> re.Pattern[str]:
 
 
 def _phrase(said: str) -> str:
-    """A phrase as a regular expression: `a|b` is the one or the other, with `?` behind it it may be missing, with `!` before it it may not follow."""
-    made = ""
+    """A phrase as a regular expression: `a|b` is the one or the other, with `?` behind it it may be missing, with `!` before it it may not follow, or
+    as the first word come before."""
+    made, gap = "", ""
     for word in said.split():
         some = "(?:" + "|".join(map(re.escape, word.strip("!?").split("|"))) + ")"
-        gap = r"\s+" if made else ""
-        if word.startswith("!"):
+        if word.startswith("!") and not made:
+            made = "".join(rf"(?<!\b{re.escape(before)}\s)" for before in word.strip("!").split("|"))
+        elif word.startswith("!"):
             made += rf"(?!\s+{some}(?![\w-]))"
-        elif word.endswith("?"):
-            made += f"(?:{gap}{some})?"
+        elif not word.endswith("?"):
+            made, gap = made + gap + some, r"\s+"
         else:
-            made += gap + some
+            made += f"(?:{gap}{some})?"
     return made
 
 
-def load(root: Path, items: Iterable[SpecItem], own: Sequence[str] = ()) -> Denials:
-    """What the documents that back assumptions deny of them: where one is named, the paragraphs that name it count, else the whole document.
+def claims(project: Project, items: Iterable[SpecItem]) -> Iterator[Claim]:
+    """What documents are to show: assumptions, requirements, analyses that leave nothing open, reviews; and sections of the design."""
+    for item in items:
+        if item.kind == "assume" and item.evidence:
+            yield Claim(item.evidence, item.name, "assumption", item_place(item))
+    for entry in project.evidence:
+        for r in project.by_id.values():
+            if r.demanded and matches(r.id, entry.requirements):
+                yield Claim(str(entry.path), str(r.id), "requirement", entry.path.place)
+    for made in project.entries:
+        # An analysis that says what it leaves open shows nothing as long as it does, and may say so in its document as well.
+        if made.kind in ("analysis", "review") and "open" not in made.attributes:
+            for kind, path in made.links:
+                if kind == "backed_by":
+                    yield Claim(str(path), str(made.id), made.kind, path.place)
+    for target, _, page, requirement in sections.allocated(project):
+        yield Claim(page, requirement, "section", target.place)
+
+
+def load(root: Path, claimed: Iterable[Claim], own: Sequence[str] = ()) -> Denials:
+    """What documents deny of what they are to show: where it is named, what stands there about it counts, else the whole document; of the design, sections
+    alone.
 
     own: phrases of the project, beside those that come with the program.
     """
     pattern = _pattern((*phrases(), *own))
-    texts: dict[str, str] = {}
+    pages: dict[str, _Page] = {}
     found = {}
-    for item in items:
-        if item.kind == "assume" and item.evidence:
-            text = texts.setdefault(item.evidence, _text(root, item.evidence))
-            for start, part in _about(text, item.name):
-                match = pattern.search(_MARKS.sub(" ", part))  # a sentence may go on in the next line
-                if match is not None:
-                    before = text[: start + match.start()]
-                    place = Place(item.evidence, before.count("\n") + 1, len(before) - before.rfind("\n"))
-                    found[item.evidence, item.name] = (place, " ".join(match[0].split()))
-                    break
+    for claim in claimed:
+        if claim.key in found or (claim.kind != "assumption" and claim.path.lower().endswith(_DATA)):
+            continue
+        if claim.path not in pages:
+            pages[claim.path] = _Page(_text(root, claim.path), pattern)
+        said = pages[claim.path].denial(claim.name, section=claim.kind == "section")
+        if said is not None:
+            line, column, words = said
+            found[claim.key] = (Place(claim.path, line, column), words)
     return found
 
 
-def _about(text: str, name: str) -> Iterator[tuple[int, str]]:
-    """The parts of a text that are about something, with where they begin."""
-    named = [
-        m
-        for m in re.finditer(r"(?:[^\n]|\n(?!\s*\n))+", text)
-        if re.search(rf"(?<![\w-]){re.escape(name)}(?![\w-])", m[0])
-    ]
-    if not named:
-        yield 0, text
-    for paragraph in named:
-        yield paragraph.start(), paragraph[0]
+class _Page:
+    """A document, looked through once however much it is to show."""
+
+    def __init__(self, text: str, pattern: re.Pattern[str]) -> None:
+        self._text = text
+        self._whole = _denied(pattern, text)
+        #: Level of headings, the words of the block, and what in it denies. What nothing in all of the text denies, nothing in a block does.
+        self._blocks = (
+            [(depth, set(_WORD.findall(block)), _ID.search(block) is not None, start, _denied(pattern, block)) for start, depth, block in _blocks(text)]
+            if self._whole
+            else []
+        )  # fmt: skip
+
+    def denial(self, name: str, section: bool) -> tuple[int, int, str] | None:
+        """Line, column and words that deny something: what stands below a heading that names it, and blocks from one that names it on, down to the next
+        heading; but not what names something else. section: all that stands below such headings, and nothing else. Where it is not named, all of the text."""
+        level, about, named = 0, False, False
+        for depth, words, others, start, match in self._blocks:
+            here = name in words
+            if depth:
+                level = 0 if depth <= level else level
+                level = level or (depth if here else 0)
+                about = here or (level > 0 and not others)
+            elif section:
+                about = about or (here and level > 0)
+            else:
+                about = here or (about and not others)
+            named = named or about
+            if about and match is not None:
+                return self._at(start, match)
+        return None if named or section or self._whole is None else self._at(0, self._whole)
+
+    def _at(self, start: int, match: re.Match[str]) -> tuple[int, int, str]:
+        before = self._text[: start + match.start()]
+        return before.count("\n") + 1, len(before) - before.rfind("\n"), " ".join(match[0].split())
+
+
+def _denied(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
+    return pattern.search(_MARKS.sub(" ", text))  # a sentence may go on in the next line
+
+
+def _blocks(text: str) -> Iterator[tuple[int, int, str]]:
+    """Headings with their levels, and paragraphs, items of lists and rows of tables with 0, each with where it begins."""
+    begun, block, at = 0, "", 0
+    for line, (depth, _) in zip(text.splitlines(keepends=True), sections.headed(text), strict=True):
+        if block and (depth or not line.strip() or _ITEM.match(line)):
+            yield begun, 0, block
+            block = ""
+        if depth:
+            yield at, depth, line
+        elif line.strip():
+            begun, block = (begun, block + line) if block else (at, line)
+        at += len(line)
+    if block:
+        yield begun, 0, block
 
 
 def _text(root: Path, path: str) -> str:
@@ -96,16 +187,24 @@ def _text(root: Path, path: str) -> str:
         return ""
 
 
-def check(spec: Spec, denials: Denials) -> Iterator[Finding]:
-    """T253 for every assumption that such a document is to back."""
-    for item in spec.by_name.values():
-        if item.kind == "assume" and (item.evidence, item.name) in denials:
-            place, words = denials[item.evidence, item.name]
-            message = f'the evidence `{item.evidence}` of the assumption `{item.name}` says that there is none: "{words}"'
+#: What is said of a document, by what it is to show.
+_SAID = {
+    "assumption": "the evidence `{path}` of the assumption `{name}` says that there is none",
+    "requirement": "the evidence `{path}` of `{name}` says that there is none",
+    "analysis": "the document `{path}` of the analysis `{name}` says that there is none",
+    "review": "the document `{path}` of the review `{name}` says that there is none",
+    "section": "the section of `{path}` about `{name}` says that it is still to come",
+}
+
+
+def check(claimed: Iterable[Claim], denials: Denials) -> Iterator[Finding]:
+    """T253 for everything that such a document is to show, once."""
+    for key, claim in {claim.key: claim for claim in claimed}.items():
+        if key in denials:
+            place, words = denials[key]
+            message = f'{_SAID[claim.kind].format(path=claim.path, name=claim.name)}: "{words}"'
             help_ = "back it by a record, or have somebody answer for the gap by a waiver"
-            yield Finding(
-                "T253", "error", message, item_place(item), help_, item.name, ((place, "said here"),)
-            )
+            yield Finding("T253", "error", message, claim.place, help_, claim.name, ((place, "said here"),))
 
 
-__all__ = ["PHRASES", "Denials", "check", "load", "phrases"]
+__all__ = ["PHRASES", "Claim", "Denials", "check", "claims", "load", "phrases"]

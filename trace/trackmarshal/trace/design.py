@@ -25,7 +25,10 @@ def elements(ground: Ground, requirement: str) -> Iterator[Said]:
             continue
         paths = [str(k.target[1]) for k in ground.out_of(link.target, "backed_by")]
         with_section = [path for path in paths if ground.hashes.get(key(path, requirement))]
-        if with_section:
+        coming = [path for path in paths if (key(path, requirement), requirement) in ground.outside.denials]
+        if coming:
+            status, detail = "partial", f"{coming[0]}, section {requirement}, says that it is still to come"
+        elif with_section:
             status, detail = "covered", f"{with_section[0]}, section {requirement}"
         elif not paths:
             status, detail = "partial", "no document says how it meets the requirement"
@@ -46,6 +49,8 @@ def analyses(ground: Ground, requirement: str) -> Iterator[Said]:
             status, detail = "partial", f"left open: {left}"
         elif not _written(ground, link):
             status, detail = "partial", "its document is not there, or it has none"
+        elif node.attributes.get("outcome") != "complete":
+            status, detail = "partial", "its document says that there is none"
         else:
             status, detail = "covered", "nothing is left open"
         yield node.id, node.title, status, detail, node.place

@@ -52,7 +52,7 @@ def _below(text: str) -> str:
     text = _FRONT.sub("", text.replace("\r\n", "\n"))
     return "\n".join(
         line
-        for depth, line in _headed(text)
+        for depth, line in headed(text)
         if not depth and not _FENCE.match(line) and not _LINK.fullmatch(line)
     )
 
@@ -100,7 +100,7 @@ def _section(text: str, name: str) -> tuple[str, str] | None:
     """The heading of a section, and what it says."""
     named = _named(name)
     level, title, lines, below = 0, "", [], [""]
-    for depth, line in _headed(_seen(text)):
+    for depth, line in headed(_seen(text)):
         if level and 0 < depth <= level:
             break
         if level:
@@ -113,7 +113,7 @@ def _section(text: str, name: str) -> tuple[str, str] | None:
     return None if silent("\n".join(below).encode(), markdown=True) else (title, said)
 
 
-def _headed(text: str) -> Iterator[tuple[int, str]]:
+def headed(text: str) -> Iterator[tuple[int, str]]:
     """Every line, with the level of the heading that it is, 0 for others."""
     lines = list(_lines(text))
     begun = plain = False  # whether a paragraph is, and whether it is one of text alone
@@ -197,4 +197,4 @@ def _read(root: Path, path: str) -> str:
         return ""
 
 
-__all__ = ["allocated", "documents", "hashes", "key", "section", "silent"]
+__all__ = ["allocated", "documents", "hashes", "headed", "key", "section", "silent"]
