@@ -210,12 +210,12 @@ class _Building:
             )  # fmt: skip
 
     def _of_argument(self, entry: Entry) -> str:
-        """What came of an analysis: it left something open, its document says that there is none, it is written down nowhere, or is complete."""
+        """What came of an analysis: it left something open, is written down nowhere, which a document that says that there is none is, or is complete."""
         if "open" in entry.attributes:
             return "open"
         paths = [str(path) for kind, path in entry.links if kind == "backed_by"]
         if any((path, str(entry.id)) in self.around.denials for path in paths):
-            return "denied"
+            return "not written down"
         return "complete" if any(map(self.hashes.get, paths)) else "not written down"
 
     def _of_analysis(self, entry: Entry) -> str:
