@@ -120,3 +120,54 @@ def test_a_list_that_is_called_as_the_v_model_is_refused(capsys: pytest.CaptureF
 
 def test_the_same_list_again_loses_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     assert taken({"AB-1": "B(D)"}, {"AB-1": "B(D)"}, capsys, "--force") == (0, "")
+
+
+def written_over(
+    before: str, after: str, capsys: pytest.CaptureFixture[str], ids: tuple[str, ...] = ("AB-1",)
+) -> list[str]:
+    """What is said where requirements with some fields, as YAML has them, are written over by a table with columns."""
+    head = "document: requirements\ntitle: T\nrequirements:\n"
+    record = "  - {{id: {}, title: T, statement: It shall., rationale: B, status: draft, asil: D, verification: [test, review], source: C{}}}\n"
+    path = Path("requirements/in.yaml")
+    path.write_text(head + "".join(record.format(id_, before) for id_ in ids))
+    columns, values = after.split("|")
+    rows = "".join(f"{id_},T,It shall.,B,D,C,{values}\n" for id_ in ids)
+    Path("in.csv").write_text(f"id,title,statement,rationale,asil,source,{columns}\n{rows}")
+    assert main(["import", "requirements", "in.csv", "--force"]) == 0
+    return [line for line in capsys.readouterr().err.splitlines() if "T365" in line]
+
+
+SAME = "status,verification|draft,test; review"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("", "status,verification|draft,test", "`AB-1` loses `verification` `review`"),
+        ("", "status,verification|obsolete,test; review", "`AB-1` is demanded no longer: its status is `obsolete`"),
+        (", metrics: [a, b]", SAME, "`AB-1` loses `metrics` `a`, `b`"),
+        (", metrics: [a, b]", "status,verification,metrics|draft,test; review,b", "`AB-1` loses `metrics` `a`"),
+        (", achieves: [SG-1], allocated_to: [DE-1], independence: [AN-1], owner: Ada", SAME,
+         "`AB-1` loses `achieves` `SG-1`; `allocated_to` `DE-1`; `independence` `AN-1`; `owner`"),
+        (", foreign: {Ticket: '7', Team: x}", "status,verification,Team|draft,test; review,x", "`AB-1` loses `foreign` `Ticket`"),
+        (", not_verified_by: {M-1: it is slow}", SAME, "`AB-1` loses `not_verified_by`"),
+    ],
+)  # fmt: skip
+def test_links_and_fields_that_are_gone_are_named(
+    before: str, after: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (line,) = written_over(before, after, capsys)
+    assert line.startswith("requirements/in.yaml:4:")
+    assert said in line
+    assert written_over("", SAME, capsys) == []
+
+
+def test_what_is_more_is_not_named(capsys: pytest.CaptureFixture[str]) -> None:
+    more = "status,verification,metrics,owner,Team|approved,review; test; analysis,a,Ada,x"
+    assert written_over("", more, capsys) == []
+
+
+def test_a_column_that_is_not_there_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    many = tuple(f"AB-{number}" for number in range(40))
+    (line,) = written_over(", metrics: [a]", SAME, capsys, many)
+    assert "40 of 40 requirements lose something in `metrics`, such as `AB-0`: `metrics` `a`" in line

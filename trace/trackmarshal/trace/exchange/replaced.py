@@ -1,20 +1,43 @@
-"""What a list of requirements loses when another one is written over it: requirements that are dropped, ASILs that are lowered."""
+"""What a list of requirements loses when another one is written over it: requirements that are dropped, ASILs that are lowered, links and fields that are gone."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from trackmarshal.trace import requirements
-from trackmarshal.trace.exchange.content import Document
+from trackmarshal.trace.exchange.content import FIELDS, LISTS, Document
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.graph.said import LEVEL
+from trackmarshal.trace.values import Placed, Table
+
+#: So many names of what is gone are shown of a field, and so many requirements that lose something in one.
+_SHOWN = 5
+_HELP = "name the field of the other tool that has it (`--field`), or write it anew afterwards"
+
+
+class _Less(NamedTuple):
+    """What a requirement loses in a field: entries of a list, or all that it says (none)."""
+
+    id: Placed
+    field: str
+    gone: tuple[str, ...]
+    place: Place
+
+    def __str__(self) -> str:
+        more = f" and {len(self.gone) - _SHOWN} more" if len(self.gone) > _SHOWN else ""
+        named = ", ".join(f"`{one}`" for one in self.gone[:_SHOWN])
+        return f"`{self.field}`" + (f" {named}{more}" if named else "")
 
 
 def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> Iterator[Finding]:
-    """T365 for each requirement of the files, (path, as it is shown), that the documents written over them lack or give a lower ASIL, and for
-    each list of requirements that cannot be read whole; an error for each file that is none, which is not written over."""
+    """T365 for each requirement of the files, (path, as it is shown), that the documents written over them lack, give a lower ASIL, demand no longer, or
+    leave without links or fields that it has, and for each list of requirements that cannot be read whole; an error for each file that is none, which is not
+    written over."""
     now = {str(one.text("id")): one for document in documents for one in document.requirements}
+    less: list[_Less] = []
     for path, shown in files:
         wrong: list[Finding] = []
         read = requirements.document(path, shown, wrong)
@@ -45,6 +68,46 @@ def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> It
                 yield Finding(
                     "T365", "warning", message, asil.place, "", str(id_), ((old.place, f"{old} here"),)
                 )
+            if now[id_].text("status") == "obsolete" != before.text("status"):
+                message = f"`{id_}` is demanded no longer: its status is `obsolete`"
+                place = before.text("status").place
+                yield warning("T365", message, place, "take its status over as it is, if it is", str(id_))
+            less += _less(before, now[id_])
+    yield from _told(less, len(now))
+
+
+def _less(before: Table, now: Table) -> Iterator[_Less]:
+    """The fields, and the entries of lists, that are not there any more."""
+    id_ = before.text("id")
+    for name in FIELDS:
+        if name in LISTS:
+            left = tuple(str(one) for one in dict.fromkeys(before.texts(name)) if one not in now.texts(name))
+            if left:
+                yield _Less(id_, name, left, before.texts(name)[0].place)
+        elif before.get(name) and not now.get(name):
+            yield _Less(id_, name, (), id_.place)
+    gone = before.get("foreign", {}).keys() - now.get("foreign", {}).keys()
+    if gone:
+        yield _Less(id_, "foreign", tuple(sorted(gone)), id_.place)
+
+
+def _told(less: Iterable[_Less], there: int) -> Iterator[Finding]:
+    """T365 for what is less: of each requirement once, and of a field in which many lose something, as where the other tool has none of it, once for all."""
+    by_field: dict[str, list[_Less]] = defaultdict(list)
+    for one in less:
+        by_field[one.field].append(one)
+    by_id: dict[str, list[_Less]] = defaultdict(list)
+    for name, all_ in by_field.items():
+        if len(all_) > _SHOWN:
+            first = all_[0]
+            message = f"{len(all_)} of {there} requirements lose something in `{name}`, such as `{first.id}`: {first}"
+            yield warning("T365", message, first.place, _HELP, str(first.id))
+        else:
+            for one in all_:
+                by_id[str(one.id)].append(one)
+    for id_, lost_ in by_id.items():
+        message = f"`{id_}` loses {'; '.join(map(str, lost_))}"
+        yield warning("T365", message, lost_[0].place, _HELP, id_)
 
 
 def _below(asil: str, before: str) -> bool:
