@@ -174,6 +174,57 @@ def test_a_review_of_another_text_falls(robot: Path) -> None:
     assert "reviews that fall: RV-1" in command(robot, "trace", "--impact", "HEAD")[1]
 
 
+def test_what_no_review_reads_makes_none_fall(robot: Path) -> None:
+    """The gate holds a review by the fingerprint of what it read; so does the impact."""
+    edit(
+        robot,
+        "requirements/needs.yaml",
+        "    achieves: [SG-1]\n",
+        "    achieves: [SG-1]\n    verified_by: [M-1]\n",
+    )
+    edit(robot, "requirements/design.yaml", "elements:", "methods:\n  - {id: M-1, title: driving}\nelements:")
+    found = impact(robot)
+    assert "requirement SYS-1" in named(found, "changed")
+    assert found["reviews"] == []
+    assert "T167" not in command(robot, "trace", "--verbose")[1]
+
+
+def analysed(robot: Path, left: str) -> None:
+    """An analysis of the hazard with its review, committed."""
+    (robot / "docs").mkdir()
+    (robot / "docs" / "hazards.md").write_text("# How people come near\n\nFrom between shelves.\n", "utf-8")
+    assurance = robot / "requirements" / "analysed.yaml"
+    assurance.write_text(
+        "document: assurance\ntitle: What was analysed\nanalyses:\n"
+        f"  - {{id: AN-1, title: Risks, method: hazard analysis, of: [HZ-1], by: [P-1], made: 2026-02-01, document: docs/hazards.md{left}}}\n"
+        f"reviews:\n  - {{id: RV-2, of: [{{id: AN-1, fingerprint: '{'0' * 64}'}}], by: [P-2], made: 2026-03-01, outcome: accepted}}\n",
+        "utf-8",
+    )
+    is_ = re.search(r"`fingerprint: '(\w+)'`", command(robot, "trace", "--verbose")[1])
+    assert is_ is not None
+    edit(robot, "requirements/analysed.yaml", "0" * 64, is_[1])
+    assert command(robot, "trace", "--accept-baseline", "--by", "P-2", "--reason", "analysed")[0] == 0
+    git(robot, "add", "-A")
+    git(robot, "commit", "-qm", "analysed")
+    assert "T167" not in command(robot, "trace", "--verbose")[1]
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [("", ", open: [Children.]"), (", open: [Children.]", ""), (", open: [Children.]", ", open: [Children., Dogs.]")],
+)  # fmt: skip
+def test_a_review_of_an_analysis_that_leaves_something_else_open_falls_for_the_gate_too(
+    before: str, after: str, robot: Path
+) -> None:
+    analysed(robot, before)
+    edit(robot, "requirements/analysed.yaml", f"docs/hazards.md{before}}}", f"docs/hazards.md{after}}}")
+    assert impact(robot)["reviews"] == ["RV-2"]
+    status, out, _ = command(robot, "trace", "--gate", "--verbose")
+    assert status == 1
+    assert "T167" in out
+    assert "T382" in out
+
+
 def test_what_others_rest_on_comes_first(robot: Path) -> None:
     """A hazard above all, and a rule below: whoever follows the list never judges something before what it rests on."""
     edit(

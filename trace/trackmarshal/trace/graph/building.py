@@ -50,6 +50,7 @@ _RATED = {
 _READ = {
     "requirement": ("asil", "verification", "source", "adopted", "rationale"),
     "hazard": ("rationale",),
+    "analysis": ("open",),
 }
 
 
@@ -219,10 +220,11 @@ class _Building:
         return "complete" if any(map(self.hashes.get, paths)) else "not written down"
 
     def _of_analysis(self, entry: Entry) -> str:
-        """The fingerprint of an analysis: its title, and what stands in its document, which is what a review of it reads; "" without one."""
+        """The fingerprint of an analysis: its title, what it leaves open, and what stands in its document, which is what a review of it reads; "" without one."""
         held = [self.hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"]
-        said = " ".join(entry.title.split())
-        return hashlib.sha256("\n".join([said, *held]).encode()).hexdigest() if held else ""
+        left = [f"open: {entry.attributes['open']}"] if "open" in entry.attributes else []
+        said = [" ".join(text.split()) for text in (entry.title, *left)]
+        return hashlib.sha256("\n".join([*said, *held]).encode()).hexdigest() if held else ""
 
     def _runs(self) -> None:
         for scenario in self.project.scenarios:

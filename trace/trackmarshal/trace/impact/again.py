@@ -144,11 +144,18 @@ def _resting(now: Version, hit: Collection[Key]) -> Iterator[Task]:
     """What rests directly on something that changed, and what was reviewed in another version. Whether more follows shows when it has been judged."""
     for changed in sorted(hit):
         for key in resting(now.graph, changed):
-            if key[0] in _DO and key in now.graph.nodes and now.graph.nodes[key].demanded:
+            # Of what was reviewed, what the fingerprint says counts: the gate holds a review by that, whatever else changed.
+            if (
+                key[0] in _DO
+                and key[0] != "review"
+                and key in now.graph.nodes
+                and now.graph.nodes[key].demanded
+            ):
                 yield Task(key, _DO[key[0]], f"{called(changed)} has changed since")
     for link in now.graph.of_kind("reviews"):
         if link.state == "outdated":
-            yield Task(link.source, "review", f"{called(link.target)} is not what was reviewed")
+            what = "has changed since" if link.target in hit else "is not what was reviewed"
+            yield Task(link.source, "review", f"{called(link.target)} {what}")
     for changed in sorted(hit):  # code that was changed is what tests of it confirm
         for requirement in rests_on(now.graph, changed) if changed[0] == "code" else ():
             for link in now.graph.into(requirement):

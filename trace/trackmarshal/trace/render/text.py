@@ -73,6 +73,8 @@ def _lines(matrix: Matrix, paint: _Paint, verbose: bool) -> Iterator[str]:
             yield f"    {follows(following)}" + ("" if verbose else "; --verbose lists them")
         for other in following if verbose else ():
             yield f"      {_said(other, paint)}"
+            if other.help:  # a review that fell is one that follows, and its help has the fingerprint
+                yield f"        help: {printable(other.help)}"
 
 
 def _said(finding: Finding, paint: _Paint) -> str:
