@@ -8,12 +8,16 @@ from datetime import date
 from trackmarshal.trace.findings import Finding, error, warning
 from trackmarshal.trace.graph.building import fingerprint
 from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.kinds import LINKS
 from trackmarshal.trace.graph.said import called
 from trackmarshal.trace.model import Entry, Project
 
+#: What has an owner: of these a review tells whether its reader is another person. Of an analysis those who made it are known.
+_OWNED = frozenset(LINKS["owned_by"].sources)
+
 
 def check(graph: Graph, project: Project, today: date) -> Iterator[Finding]:
-    """T165 to T168: dates in the future, reviews by owners, of other versions, and open ones."""
+    """T165 to T168, T179: dates in the future, reviews by owners, of other versions, open ones, and of what nobody answers for."""
     for entry in project.entries:
         node = graph.nodes[entry.kind, str(entry.id)]
         if entry.made is not None and entry.made > today:
@@ -40,6 +44,16 @@ def _review(graph: Graph, entry: Entry) -> Iterator[Finding]:
         for owner in sorted(owners & readers):
             message = f"`{entry.id}` is a review of {called(node.key)} by {called(owner)}, who answers for it"
             yield error("T166", message, link.place, "a second person reviews", entry.id)
+        if (
+            node.kind in _OWNED
+            and not owners
+            and link.state == "covers"
+            and _accepted(entry)
+            and node.demanded
+        ):
+            message = f"`{entry.id}` is a review of {called(node.key)}, for which nobody answers: whether another person wrote it is not known"
+            help_ = "name under its `owner` who wrote it, or answers for it; who that is does not review it"
+            yield Finding("T179", "error", message, link.place, help_, node.id, about=(str(entry.id),))
         if link.state == "outdated":
             message = f"{called(node.key)} has changed since the review `{entry.id}`"
             yield warning(
@@ -49,9 +63,13 @@ def _review(graph: Graph, entry: Entry) -> Iterator[Finding]:
                 f"review it again, then set `fingerprint: '{fingerprint(node)}'`",
                 entry.id,
             )
-    if entry.attributes.get("outcome") == "open":
+    if not _accepted(entry):
         message = f"the review `{entry.id}` is open: something has to change"
         yield warning("T168", message, entry.id.place, "change it, and have it reviewed again", entry.id)
+
+
+def _accepted(review: Entry) -> bool:
+    return review.attributes.get("outcome") != "open"
 
 
 __all__ = ["check"]
