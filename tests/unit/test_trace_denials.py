@@ -26,6 +26,7 @@ EMPTY = (
     "The assumption remains unproven.", "This claim is untested.", "It lacks evidence.", "No tests have been done here.", "No measurements were yet taken.",
     "A figure will be provided later.", "Awaiting the report.", "Pending approval.", "This page is a placeholder.", "(This page intentionally left blank.)",
     "Lorem ipsum dolor sit amet.", "This section is under construction.", "It is still work in progress.", "Coming soon!", "FIXME: numbers", "| latency | TBC |",
+    "It is _not yet_ __measured__.", "~~Soon:~~ _to be announced_", "<p>It is <b>not yet</b> measured.</p>", "<TBD>", "`tbd`",
 )  # fmt: skip
 #: What real pages say: of what was found, of sensors, of roads.
 FULL = (
@@ -35,7 +36,7 @@ FULL = (
     "Where a measurement is missing, the one before is taken.", "A record is missing in 3 of 40,000 cycles.", "Roads under construction were driven twice.",
     "Road work in progress was signed.", "A tracker awaiting measurements coasts.", "The change has to be confirmed by the driver.", "The field is left blank at night.",
     "No measurement was later than 140 ms.", "No test failed.", "Nothing was missed.", "Nobody has been on the track.", "Tests were done on 12 days; all are in report 7.",
-    "The evidence is in report 7.", "The report is complete.", "todo-list.md names who checks what.", "The value will be added to the sum.", "tbdm is a module.",
+    "The evidence is in report 7.", "The report is complete.", "todo-list.md names who checks what.", "The value will be added to the sum.", "tbdm is a module.", "`todo_list` and _todo_list are modules.", "a < b, not c > yet measured",
     "Where there is none, nothing is driven.", "He asks until there is none.", "40 h were driven; none was missed.", "| S-3 | none | 12 |",
     "Not measured values are marked as such.", "The claim is tested by 40 drives.", "The assumption is not untested: see report 7.",
 )  # fmt: skip
@@ -83,8 +84,20 @@ def test_of_what_is_named_its_own_paragraphs_count(tmp_path: Path) -> None:
     assert list(of(tmp_path, "A-SEEN-TOO: report 7.\n\nThere is none.\n")) == [("seen.md", "A-SEEN")]
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "latin-1", "utf-16", "utf-16-be"])
+def test_it_says_so_in_any_encoding(encoding: str, tmp_path: Path) -> None:
+    mark = b"\xfe\xff" if encoding == "utf-16-be" else b""
+    (tmp_path / "seen.md").write_bytes(mark + "Größe: not yet measured".encode(encoding))
+    assert list(denials.load(tmp_path, [CLAIM])) == [("seen.md", "A-SEEN")]
+
+
+def test_however_long_it_is(tmp_path: Path) -> None:
+    (tmp_path / "seen.md").write_text("Not yet measured." + " " * 1_000_001)
+    assert list(denials.load(tmp_path, [CLAIM])) == [("seen.md", "A-SEEN")]
+
+
 def test_what_cannot_be_read_says_nothing(tmp_path: Path) -> None:
-    (tmp_path / "seen.md").write_bytes(b"\xff\xfeno evidence")
+    (tmp_path / "seen.md").write_bytes(b"%PDF\x00\x01 tbd \xff no evidence")
     assert denials.load(tmp_path, [CLAIM]) == {}
     (tmp_path / "seen.md").unlink()
     assert denials.load(tmp_path, [CLAIM]) == {}

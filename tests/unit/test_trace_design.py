@@ -218,3 +218,14 @@ def test_what_browsers_show_nothing_of_is_no_section(tag: str) -> None:
 def test_one_in_which_something_is_said_is_one(body: str) -> None:
     """Between two rules, too, which at the head of a document stand around what programs read."""
     assert section(f"# Design\n\n## R-1\n\n{body}\n\n## R-3\n\nthree\n", "R-1")
+
+
+@pytest.mark.parametrize(
+    "path", ["specs/rules.spec", "requirements/criteria.yaml", "./requirements/criteria.yaml"]
+)
+def test_what_is_demanded_is_no_argument(path: str, tmp_path: Path) -> None:
+    made = small(tmp_path)
+    made.replace("requirements/assurance.yaml", "docs/layout.md", path)
+    (made.root / "specs").mkdir(exist_ok=True)
+    (made.root / "specs" / "rules.spec").write_text("module rules -- S-1-B-1\n", encoding="utf-8")
+    assert [f.subject for f in trace.gate(made.matrix()) if f.code == "T256"] == ["AN-1"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
@@ -18,10 +19,12 @@ from trackmarshal.trace.spec import item_place
 
 #: What such pages say; a project adds phrases of its own under `denials`.
 PHRASES = Path(__file__).with_name("denials.txt")
-#: Marks of Markdown between words, which are read as blanks.
-_MARKS = re.compile(r"[\s*>]")
-#: Larger files, and files that are no text, are not read.
-_MOST = 1_000_000
+#: Marks of Markdown between words, which are read as blanks; an underscore within a word is part of it.
+_MARKS = re.compile(r"[\s*>~`]|(?<![^\W_])_|_(?![^\W_])")
+#: Marks of HTML.
+_TAG = re.compile(r"</?[A-Za-z][^<>]*>")
+#: What no text has: of files with such characters nothing is read, as they hold words by chance.
+_BINARY = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
 #: What stands in a block of its own: an item of a list, a row of a table.
 _ITEM = re.compile(r"\s*(?:[-*+]\s|\d+[.)]\s|\|)")
@@ -157,7 +160,11 @@ class _Page:
 
 
 def _denied(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
-    return pattern.search(_MARKS.sub(" ", text))  # a sentence may go on in the next line
+    """What denies in a text, as it is written, or as browsers show it; a sentence may go on in the next line."""
+    found = pattern.search(_MARKS.sub(" ", text))
+    if found is None and "<" in text:
+        found = pattern.search(_MARKS.sub(" ", _TAG.sub(lambda tag: " " * len(tag[0]), text)))
+    return found
 
 
 def _blocks(text: str) -> Iterator[tuple[int, int, str]]:
@@ -177,14 +184,26 @@ def _blocks(text: str) -> Iterator[tuple[int, int, str]]:
 
 
 def _text(root: Path, path: str) -> str:
-    """A document's text; empty for what is no text, is too large or is not there, which is told elsewhere."""
+    """A document's text, in whichever encoding; empty for what is no text, is too large or is not there, which is told elsewhere."""
     try:
         whole = (root / path).resolve()
-        if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > _MOST:
+        if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > sections.LARGEST:
             return ""
-        return read_regular(whole).decode("utf-8")
+        data = read_regular(whole)
+        return _decoded(data)
     except (OSError, ValueError, RuntimeError):
         return ""
+
+
+def _decoded(data: bytes) -> str:
+    """UTF-8; UTF-16 where a mark says so; else an encoding of one byte a character, as words of denials have letters that all of them have."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16", "replace")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    return "" if _BINARY.search(text) else text
 
 
 #: What is said of a document, by what it is to show.

@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from trackmarshal.files import digest
 from trackmarshal.records import RunSummary, SpecItem
 from trackmarshal.trace import sections
-from trackmarshal.trace.findings import Finding, error
-from trackmarshal.trace.model import Entry, Project
+from trackmarshal.trace.findings import Finding, Place, error
+from trackmarshal.trace.model import Entry, Evidence, Project
+from trackmarshal.trace.requirements import FOLDER
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
 
@@ -143,7 +144,7 @@ def _document(root: Path, path: str) -> str | None:
 
 
 def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
-    """Evidence that is not there, says nothing, or is not what was reviewed (T250 to T252)."""
+    """Evidence that is not there, says nothing, is not what was reviewed, or is what is demanded (T250 to T252, T256)."""
     for entry in project.evidence:
         actual = found.get(entry.path)
         if not actual:
@@ -153,14 +154,36 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
             help_ = f"review it again, then set `sha256: {actual}`"
             yield error("T251", message, entry.path.place, help_, entry.path)
+        if _demands(entry.path):
+            yield _demanded(entry.path, f"of {_requirements(entry)}", entry.path.place, str(entry.path))
     for made, path in _written_down(project):
+        if made.kind in ("analysis", "review") and _demands(path):
+            yield _demanded(path, f"of the {made.kind} `{made.id}`", path.place, str(made.id))
         if not found.get(path):
             message = f"the document `{path}` of the {made.kind} `{made.id}` {lacking(path, found)}"
             yield error("T250", message, path.place, "write it, or strike the entry", path)
     for item in spec.by_name.values():
+        if item.kind == "assume" and _demands(item.evidence):
+            yield _demanded(item.evidence, f"of the assumption `{item.name}`", item_place(item), item.name)
         if item.kind == "assume" and item.evidence and not found.get(item.evidence):
             lacks = lacking(item.evidence, found)
             message = f"the evidence `{item.evidence}` of the assumption `{item.name}` {lacks}"
             yield error(
                 "T252", message, item_place(item), "write it; paths are relative to the project", item.name
             )
+
+
+def _demands(path: str) -> bool:
+    """Whether a file says what is demanded: a spec, or one of the documents that stand in the folder of requirements."""
+    whole = PurePosixPath(path)
+    suffix = whole.suffix.lower()
+    return suffix == ".spec" or (whole.parts[:1] == (FOLDER,) and suffix in (".yaml", ".yml", ".json"))
+
+
+def _requirements(entry: Evidence) -> str:
+    return ", ".join(f"`{pattern}`" for pattern in entry.requirements)
+
+
+def _demanded(path: str, of: str, place: Place, subject: str) -> Finding:
+    message = f"the evidence {of} is `{path}`, which says what is demanded: it names things and shows nothing of them"
+    return error("T256", message, place, "name what shows that it is so", subject)
