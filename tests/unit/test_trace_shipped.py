@@ -115,7 +115,7 @@ def invented() -> tuple[list[SpecItem], list[SpecTest], list[TestResult]]:
                 1,
                 name,
                 owner="perception",
-                evidence="requirements/v-model.yaml",
+                evidence="docs/architecture.md",
             )
         )
         for title, expects, boundary in (
