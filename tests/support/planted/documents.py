@@ -125,6 +125,7 @@ FAULTS = [
     Fault("an unknown domain", swap(H, "operates_in: [ODD-1]", "operates_in: [ODD-7]"), "T151", "HZ-1"),
     Fault("an unknown stage", swap(V, "How the planner keeps room, stage: S-2-A", "How the planner keeps room, stage: S-2-X"), "T148", "S-2-X"),
     Fault("an owner who is nobody", swap(V, "owner: Dana Driver", "owner: x"), "T153", "W-1"),
+    Fault("an interval that is over before a fault is answered", agreed(swap(H, "tolerance: 500 ms", "tolerance: 200 ms")), "T173", "SG-1"),
     Fault("a reviewed requirement of nobody", agreed(swap(R, "    verified_by: [M-3]\n    owner: P-1", "    verified_by: [M-3]")), "T179", "S-3"),
     Fault("a requirement of nobody", swap(R, "    verified_by: [M-2]\n    owner: P-1", "    verified_by: [M-2]\n    owner: Somebody"), "T153", "S-31"),
     Fault("a subsystem that there is not", swap(M, "initiator: SH, what: tyre forces", "initiator: TX, what: tyre forces"), "T147", "SH-RO"),

@@ -25,7 +25,17 @@ from trackmarshal.trace import (
 from trackmarshal.trace.cells import STATUSES, Cell, Ground, cell
 from trackmarshal.trace.files import Hashes
 from trackmarshal.trace.findings import Finding, in_order
-from trackmarshal.trace.graph import checks, conditions, integrity, methods, people, schema, tools, works
+from trackmarshal.trace.graph import (
+    checks,
+    conditions,
+    integrity,
+    intervals,
+    methods,
+    people,
+    schema,
+    tools,
+    works,
+)
 from trackmarshal.trace.graph.building import build
 from trackmarshal.trace.graph.graph import Graph, Key
 from trackmarshal.trace.graph.reviewed import unreviewed
@@ -164,6 +174,7 @@ def assemble(
         *works.check(graph),
         *tools.check(graph),
         *conditions.check(graph, project, spec),
+        *intervals.check(graph, spec),
         *vacuous.check(project, spec),
         *links.check(project, spec),
         *tests.check(project, spec),
