@@ -253,3 +253,13 @@ def test_to_be_covered_is_more_than_in_part(covered: list[str], partial: list[st
     parts = {"gate S-1, covered": covered, "gate S-1, partial": partial, "gate S-2, covered": ["*"]}
     now: Content = {key: {"requirements": list(value)} for key, value in parts.items() if value}
     assert weaker(before, now) == less
+
+
+@pytest.mark.parametrize(("origin", "named"), [("field", True), ("synthetic", False), ("simulated", False)])
+def test_that_a_new_recording_comes_from_the_field_is_for_somebody_to_say(origin: str, named: bool) -> None:
+    """What it is made of does not tell: a generated one with another name in its first line is another file."""
+    now: Content = {"scenario real.tmrec.jsonl": {"origin": origin, "expect": "no_fire"}}
+    said = ["scenario real.tmrec.jsonl is new (that it was recorded on a vehicle is for somebody to say)"]
+    assert weaker({}, now) == said * named
+    assert [change.unasked for change in changes({}, now)] == [named]
+    assert weaker(now, now) == []

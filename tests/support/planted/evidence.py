@@ -199,6 +199,7 @@ def _accepted_by_nobody(root: Path) -> None:
 FAULTS = [
     # the gate and its stages
     Fault("a scenario named a second time as one from the field", swap(V, SCENARIO, SCENARIO + "\n    - {path: " + HURRY + ", title: " + SCENARIO.replace("synthetic", "field")), "T130", HURRY),
+    Fault("a copy of a recording under another name as one from the field", all_of(copied(CALM, DRIVEN), remade(DRIVEN, lambda data: data.replace(b'"name":"calm"', b'"name":"real"')), _another(DRIVEN)), "T375", DRIVEN),
     Fault("a copy of a recording as one from the field", all_of(copied(CALM, DRIVEN), _another(DRIVEN)), "T130", CALM),
     Fault("a link to a recording as one from the field", all_of(_linked_as(DRIVEN), _another(DRIVEN)), "T130", CALM),
     Fault("a scenario that is generated as one from the field", _another("specs/scenarios/calm.yaml"), "T127", "specs/scenarios/calm.yaml"),

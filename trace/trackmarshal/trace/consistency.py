@@ -50,7 +50,8 @@ def _twice(what: str, paths: Iterable[Placed], stages: Sequence[str] = ()) -> It
         if before is not path:
             message = f"the {what} `{path}` is named twice" + f" at `{stage}`" * bool(stage)
             also = ((before.place, "first named here"),)
-            yield Finding("T130", "error", message, path.place, "keep one of the entries", str(path), also)
+            help_ = "keep one of the entries"
+            yield Finding("T130", "error", message, path.place, help_, str(path), also, (str(before),))
 
 
 def _persons(project: Project) -> Iterator[Finding]:
@@ -79,7 +80,8 @@ def _copies(what: str, paths: Iterable[Placed], hashes: Hashes) -> Iterator[Find
         if before != path:
             message = f"the {what} `{path}` is the {what} `{before}` under another path"
             also = ((before.place, "the other one"),)
-            yield Finding("T130", "error", message, path.place, "keep one of the entries", str(path), also)
+            help_ = "keep one of the entries"
+            yield Finding("T130", "error", message, path.place, help_, str(path), also, (str(before),))
 
 
 def _unique(what: str, ids: Iterable[Placed]) -> Iterator[Finding]:

@@ -67,6 +67,8 @@ _CLAIMS = "that it is evidence of this kind is for somebody to say"
 #: And one requirement more that an analysis is said to be of: its document may say nothing of it.
 _EXAMINES = "that it is an analysis of that, too, is for somebody to say"
 _EXAMINED = ("analysis", "link examines")
+#: And a recording that is said to come from a vehicle: a generated one with another name in its first line looks like one.
+_RECORDED = "that it was recorded on a vehicle is for somebody to say"
 #: And a page that is said to be evidence of what it does not name.
 _UNNAMED = "that a page that does not name it is evidence of it is for somebody to say"
 #: Fields that hold all that an entry says.
@@ -444,6 +446,8 @@ def _excuses(kind: str, entry: Entry, methods: bool) -> str:
     """Why evidence that is new, or that answers more `methods`, is less; empty where it is not."""
     if kind == "report" and entry.get("may be missing"):
         return _EXCUSES
+    if kind == "scenario":
+        return _RECORDED if entry.get("origin") == "field" else ""
     if kind == "evidence" and not methods and entry.get("unnamed"):
         return _UNNAMED
     return _CLAIMS if kind in ("evidence", "report") and methods else ""
