@@ -26,7 +26,7 @@ EMPTY = (
     "The assumption remains unproven.", "This claim is untested.", "It lacks evidence.", "No tests have been done here.", "No measurements were yet taken.",
     "A figure will be provided later.", "Awaiting the report.", "Pending approval.", "This page is a placeholder.", "(This page intentionally left blank.)",
     "Lorem ipsum dolor sit amet.", "This section is under construction.", "It is still work in progress.", "Coming soon!", "FIXME: numbers", "| latency | TBC |",
-    "It is _not yet_ __measured__.", "~~Soon:~~ _to be announced_", "<p>It is <b>not yet</b> measured.</p>", "<TBD>", "`tbd`",
+    "It is _not yet_ __measured__.", "~~Soon:~~ _to be announced_", "<p>It is <b>not yet</b> measured.</p>", "<TBD>", "`tbd`", "Not yet mea\u00adsured.", "T\u200bBD",
 )  # fmt: skip
 #: What real pages say: of what was found, of sensors, of roads.
 FULL = (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import codecs
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -32,6 +32,9 @@ _ID = re.compile(rf"(?<![\w-]){ID}(?![\w-])")
 _WORD = re.compile(r"[\w-]+")
 #: Files that programs read, in which words such as `todo` are names.
 _DATA = (".json", ".jsonl", ".csv", ".tsv", ".xml", ".yaml", ".yml")
+
+#: What stands within words, and nobody sees: soft hyphens, joiners, blanks of no width.
+_UNSEEN = re.compile("[\u00ad\u200b-\u200f\u2060-\u2064\ufeff]")
 
 
 class Claim(NamedTuple):
@@ -82,13 +85,15 @@ def _phrase(said: str) -> str:
     return made
 
 
-def claims(project: Project, items: Iterable[SpecItem]) -> Iterator[Claim]:
-    """What documents are to show: assumptions, requirements, analyses that leave nothing open, reviews; and sections of the design."""
+def claims(project: Project, items: Iterable[SpecItem], denying: Container[str]) -> Iterator[Claim]:
+    """What documents are to show: assumptions, requirements, analyses that leave nothing open, reviews; and sections of the design.
+
+    denying: the documents that deny anything; the others are not held against every requirement."""
     for item in items:
         if item.kind == "assume" and item.evidence:
             yield Claim(item.evidence, item.name, "assumption", item_place(item))
     for entry in project.evidence:
-        for r in project.by_id.values():
+        for r in project.by_id.values() if entry.path in denying else ():
             if r.demanded and matches(r.id, entry.requirements):
                 yield Claim(str(entry.path), str(r.id), "requirement", entry.path.place)
     for made in project.entries:
@@ -99,6 +104,13 @@ def claims(project: Project, items: Iterable[SpecItem]) -> Iterator[Claim]:
                     yield Claim(str(path), str(made.id), made.kind, path.place)
     for target, _, page, requirement in sections.allocated(project):
         yield Claim(page, requirement, "section", target.place)
+
+
+def denying(root: Path, project: Project, own: Sequence[str] = ()) -> set[str]:
+    """The documents among a project's evidence that deny anything at all."""
+    pattern = _pattern((*phrases(), *own))
+    paths = dict.fromkeys(str(entry.path) for entry in project.evidence)
+    return {path for path in paths if _denied(pattern, _text(root, path))}
 
 
 def load(root: Path, claimed: Iterable[Claim], own: Sequence[str] = ()) -> Denials:
@@ -203,7 +215,7 @@ def _decoded(data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    return "" if _BINARY.search(text) else text
+    return "" if _BINARY.search(text) else _UNSEEN.sub("", text)
 
 
 #: What is said of a document, by what it is to show.
@@ -216,8 +228,9 @@ _SAID = {
 }
 
 
-def check(claimed: Iterable[Claim], denials: Denials) -> Iterator[Finding]:
+def check(project: Project, items: Iterable[SpecItem], denials: Denials) -> Iterator[Finding]:
     """T253 for everything that such a document is to show, once."""
+    claimed = claims(project, items, {path for path, _ in denials}) if denials else ()
     for key, claim in {claim.key: claim for claim in claimed}.items():
         if key in denials:
             place, words = denials[key]
@@ -226,4 +239,4 @@ def check(claimed: Iterable[Claim], denials: Denials) -> Iterator[Finding]:
             yield Finding("T253", "error", message, claim.place, help_, claim.name, ((place, "said here"),))
 
 
-__all__ = ["PHRASES", "Claim", "Denials", "check", "claims", "load", "phrases"]
+__all__ = ["PHRASES", "Claim", "Denials", "check", "claims", "denying", "load", "phrases"]

@@ -38,12 +38,14 @@ def load(root: Path, project: Project, items: Iterable[SpecItem], found: list[Fi
     markers_of: dict[str, list[Marker]] = defaultdict(list)
     for marker in markers:
         markers_of[marker.requirement].append(marker)
-    denied = denials.load(root, denials.claims(project, items), tuple(map(str, project.denials)))
+    own = tuple(map(str, project.denials))
+    claimed = denials.claims(project, items, denials.denying(root, project, own))
+    denied = denials.load(root, claimed, own)
     return Outside(tests, markers, denied, tests_of, markers_of)
 
 
 def check(project: Project, spec: Spec, outside: Outside) -> Iterator[Finding]:
     """Loose ends of all of these (T253, T336 to T339, T342)."""
-    yield from denials.check(denials.claims(project, spec.by_name.values()), outside.denials)
+    yield from denials.check(project, spec.by_name.values(), outside.denials)
     yield from external.check(project, outside.tests)
     yield from sources.check(project, outside.markers)
