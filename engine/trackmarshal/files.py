@@ -8,6 +8,7 @@ import hashlib
 import os
 import re
 import stat
+import zlib
 from collections.abc import Container
 from pathlib import Path
 from typing import BinaryIO
@@ -68,6 +69,18 @@ def write_whole(path: Path, data: bytes) -> None:
         if isinstance(error, OSError):
             raise OSError(error.errno, error.strerror, str(path)) from error
         raise
+
+
+def other_there(path: Path, mark: bytes | None) -> bool:
+    """Whether an output would take the place of something else: of a file that is not empty, and has the mark of its kind nowhere in its first
+    4,096 bytes, unpacked; of any where there is no mark. Who mistypes a name does not lose what is there."""
+    if not path.is_file():
+        return False
+    head = read_regular(path, 4096)
+    if head[:2] == b"\x1f\x8b":
+        with contextlib.suppress(zlib.error):
+            head = zlib.decompressobj(31).decompress(head, 4096)
+    return bool(head) and (mark is None or mark not in head)
 
 
 def digest(data: bytes) -> str:

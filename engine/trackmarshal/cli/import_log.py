@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.cli.output import progress, say, table
 from trackmarshal.cli.project import find_project, from_project, optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import other_there
 from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary
 
 if TYPE_CHECKING:
@@ -58,6 +59,10 @@ def _may_keep(args: argparse.Namespace) -> None:
     """Raise E435 where what would be kept is not the run that the mapping declares."""
     if not args.keep:
         return
+    if other_there(Path(args.keep), b'"trackmarshal-results"'):
+        raise TrackmarshalError(
+            "E435", "is there already, and is no run that was kept", file=args.keep, help="choose another name with `--keep`"
+        )  # fmt: skip
     named = {
         "--from": args.begin is not None, "--to": args.end is not None, "--no-report": args.no_report, "--spec": args.spec is not None,
         "--rule": bool(args.rule), "--with": bool(args.settings), "FILE": args.file is not None,

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from trackmarshal.cli.output import say
+from trackmarshal.cli.output import count, say
 from trackmarshal.cli.project import from_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import write_whole
@@ -55,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
         _write(target, text)
     if not args.quiet:
         for target, document in zip(targets, documents):
-            say(f"{target}: {len(document.requirements)} requirements")
+            say(f"{target}: {count(len(document.requirements), 'requirement')}")
     return 0
 
 

@@ -13,8 +13,12 @@ import argparse
 from trackmarshal.cli import import_log, import_requirements
 from trackmarshal.cli.options import choose_rules
 
-_OF_LOG = ("map", "begin", "end", "no_report", "limits", "keep", "spec", "rule", "settings")
-_OF_REQUIREMENTS = ("force", "fields", "defaults")
+#: Options that one of both has, by the name under which they are read.
+_OF_LOG = {
+    "map": "--map", "begin": "--from", "end": "--to", "no_report": "--no-report", "limits": "--limits", "keep": "--keep",
+    "spec": "--spec", "rule": "--rule", "settings": "--with",
+}  # fmt: skip
+_OF_REQUIREMENTS = {"force": "--force", "fields": "--field", "defaults": "--default"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -70,9 +74,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     log = args.what == "log"
-    for name in _OF_REQUIREMENTS if log else _OF_LOG:
+    for name, option in (_OF_REQUIREMENTS if log else _OF_LOG).items():
         if getattr(args, name) not in (None, False, []):
-            args.refuse(f"`import {args.what}` has no such option: {name}")
+            args.refuse(f"`import {args.what}` has no such option: {option}")
     if args.format is not None and (args.format in ("text", "json")) != log:
         args.refuse(f"`import {args.what}` has no format `{args.format}`")
     if log:

@@ -9,10 +9,12 @@ import os
 import sys
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import other_there
 from trackmarshal.runtime.verdict import About, RuleResult
 from trackmarshal.units import written
 
@@ -103,6 +105,15 @@ def write(document: str) -> None:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(encoding="utf-8", errors="backslashreplace")
     print(document, end="")
+
+
+def write_out(name: str, text: str, mark: str | None, what: str) -> None:
+    """Write an output to a file; raises E412 where something else than such a thing is there, which has its mark in it: anything where it has none."""
+    path = Path(name)
+    if other_there(path, None if mark is None else mark.encode()):
+        message = f"{name} is there already" + (f", and is no {what}" if what else "")
+        raise TrackmarshalError("E412", message, file=name, help="nothing was written; choose another name")
+    path.write_text(text, encoding="utf-8")
 
 
 def _acts(char: str) -> bool:

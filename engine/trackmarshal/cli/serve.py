@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from trackmarshal.cli.options import choose_limits, choose_rules, limits_of
+from trackmarshal.cli.output import write_out
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
@@ -68,7 +69,9 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError("E477", f"no Supervisor can be made of this spec: {why}", help="see E482")
     built = build(spec, Evaluator(spec, args.rule, "reference").rules, limits_of(args, spec))
     if args.describe:
-        Path(args.describe).write_text(text_of(built.layout.said), encoding="utf-8")
+        write_out(
+            args.describe, text_of(built.layout.said), '"trackmarshal-messages"', "description of messages"
+        )
     if args.build:
         print(built.path)
         return 0

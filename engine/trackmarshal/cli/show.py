@@ -2,7 +2,7 @@
 
 trackmarshal show friction
 trackmarshal show friction --as formula --expand
-trackmarshal show friction --format html > friction.html
+trackmarshal show friction --format html --out friction.html
 trackmarshal show friction --solve v
 trackmarshal show friction --draw --out friction.svg
 trackmarshal show friction --draw --over p.a --against v > friction.svg
@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.options import configure_with
-from trackmarshal.cli.output import dump, plain, say, write
+from trackmarshal.cli.output import dump, plain, write, write_out
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
 
@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     from trackmarshal.testing.cases import PreparedTest
 
 FORMS = ("spec", "formula", "english", "c")
+#: What tells a file of such a kind, and what it is called. A text has nothing that would tell it from a spec.
+_MARKS = {
+    "svg": ("<svg", "picture"), "html": ("<!doctype html>", "page"), "json": ('{"rule": ', "rule as JSON"), "text": (None, ""),
+}  # fmt: skip
 #: Forms that speak of a rule's condition, which an assumption without a monitor has none of.
 _OF_CONDITIONS = ("formula", "english", "c")
 
@@ -60,9 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="of a drawing: the input to the right (default: one of the two most telling)",
     )
     parser.add_argument("--against", metavar="Y", help="of a drawing: the input up")
-    parser.add_argument(
-        "--out", metavar="FILE", help="of a drawing: where it is written (default: standard output)"
-    )
+    parser.add_argument("--out", metavar="FILE", help="where it is written (default: standard output)")
     parser.add_argument("--format", choices=("text", "html", "json"), default="text")
     parser.add_argument(
         "--json", action="store_const", const="json", dest="format", help="the same as --format json"
@@ -80,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     spec = load(paths, settings, project)
     declared = load(paths, [], project) if settings else spec
     rule = _rule(args.rule, spec)
-    if args.draw or args.over or args.against or args.out:  # nothing else has any of these
+    if args.draw or args.over or args.against:  # nothing else has any of these
         return _draw(rule, spec, declared, paths, project, args)
     forms = args.forms or ([] if args.solve else _all(rule, args.format))
     tests = _tests(paths, project) if args.solve else ()
@@ -89,18 +91,31 @@ def run(args: argparse.Namespace) -> int:
         case "text":
             from trackmarshal.reading.text import lines
 
-            say(*lines(sheet, single=bool(args.forms or args.solve) and len(forms) + bool(sheet.limits) == 1))
+            single = bool(args.forms or args.solve) and len(forms) + bool(sheet.limits) == 1
+            said = "\n".join(plain(line) for line in lines(sheet, single=single))
         case "html":
             from trackmarshal.reading.html import page
 
-            write("".join(f"{plain(line)}\n" for line in page([sheet]).splitlines()))
+            said = "\n".join(plain(line) for line in page([sheet]).splitlines())
         case "json":
             from trackmarshal.reading.data import data
 
-            print(dump(data(sheet)))
+            said = dump(data(sheet))
         case _:
             raise AssertionError(f"unknown format {args.format}")
+    _put(args, f"{said}\n")
     return 0
+
+
+def _put(args: argparse.Namespace, said: str, kind: str = "") -> None:
+    """Print what was asked for, or write it to `--out`; raises E412 where something else is there."""
+    form = kind or args.format
+    if args.out is not None:
+        write_out(args.out, said, *_MARKS[form])
+    elif form == "text":
+        print(said, end="")
+    else:
+        write(said)
 
 
 def _draw(
@@ -126,11 +141,7 @@ def _draw(
             "E494", f"`{rule.name}` has no drawing: {reason}", file=str(rule.span.file.path), line=rule.span.line,
             help=f"trackmarshal show {rule.name} --as formula",
         )  # fmt: skip
-    made = picture(drawing, english(), "boundary").svg + "\n"
-    if args.out is None:
-        write(made)
-    else:
-        Path(args.out).write_text(made, encoding="utf-8")
+    _put(args, picture(drawing, english(), "boundary").svg + "\n", "svg")
     return 0
 
 

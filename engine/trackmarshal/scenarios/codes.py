@@ -6,8 +6,9 @@ from trackmarshal.errors import TrackmarshalError
 
 CODES: dict[str, tuple[str, str]] = {
     "D120": (
-        "the recording cannot be read",
-        "The file does not exist, is a folder, or its permissions forbid reading it.",
+        "the recording cannot be read, or not be written",
+        "The file does not exist, is a folder, or its permissions forbid reading it. Or it is to be written over and is something else, such as the log "
+        "that a recording is made from, or the record of a run: what is there is only replaced by what is of its kind.",
     ),
     "D121": (
         "not a recording that is known here",

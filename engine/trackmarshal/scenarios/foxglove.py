@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import other_there
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Frame
@@ -30,13 +31,17 @@ _OBJECT = {"type": "object"}
 
 
 def write(run: Run, decisions: Iterable[Decision], path: str | Path) -> None:
-    """Write a record with the decisions of its cycles. Raises E484 without the package, D120 where the file cannot be written."""
+    """Write a record with the decisions of its cycles. Raises E484 without the package, D120 where the file cannot be written or something else is there."""
     try:
         from mcap.writer import Writer
     except ImportError as error:
         message = "MCAP needs the package `mcap`"
         raise TrackmarshalError("E484", message, help="pip install trackmarshal[mcap]") from error
     try:
+        if other_there(Path(path), b"\x89MCAP"):
+            raise TrackmarshalError(
+                "D120", "is there already, and is no MCAP", file=str(path), help="nothing was written; another name, such as run.mcap"
+            )  # fmt: skip
         with Path(path).open("wb") as file:
             writer: Any = Writer(file)
             writer.start(library="trackmarshal")

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import other_there
 from trackmarshal.json_text import BadJson, parse
 from trackmarshal.scenarios import content, structure
 from trackmarshal.scenarios.codes import Faults
@@ -30,7 +31,7 @@ VERSION = 1
 
 
 def write(recording: Recording, path: str | Path) -> None:
-    """Write a recording; packed where the path ends in .gz. Raises D120 where that fails, D141 for what it cannot say.
+    """Write a recording; packed where the path ends in .gz. Raises D120 where that fails or something else is there, D141 for what it cannot say.
 
     What is written is decoded once before it reaches the disk: a file that cannot be read again is never made.
     """
@@ -40,6 +41,12 @@ def write(recording: Recording, path: str | Path) -> None:
     if path.suffix == ".gz":
         data = gzip.compress(data, mtime=0)
     try:
+        if not path.name.endswith((".tmrec.jsonl", ".tmrec.jsonl.gz")) and other_there(
+            path, f'"{FORMAT}"'.encode()
+        ):
+            raise TrackmarshalError(
+                "D120", "is there already, and is no recording", file=str(path), help="nothing was written; another name, such as one that ends in .tmrec.jsonl"
+            )  # fmt: skip
         path.write_bytes(data)
     except OSError as error:
         message = f"cannot be written: {error.strerror}"

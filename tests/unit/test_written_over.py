@@ -1,0 +1,114 @@
+"""What verbs write takes the place of nothing but a file of its kind: who mistypes a name does not lose a spec, a log or the record of a drive."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import pytest
+
+import trackmarshal as tm
+from support import field_logs
+from support.project import run_command
+from trackmarshal.files import other_there
+
+SPEC = """module m
+signal plan : trajectory { t: s increasing, v: m/s in [0, 100] }
+rule slow "Slow"
+  for all p in plan
+  require p.v <= 50 m/s
+test slow "at the limit"
+  given plan = line(v: 50 m/s)
+  expect satisfied, margin 0 m/s
+"""
+
+
+@pytest.fixture
+def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "m.spec"
+    path.write_text(SPEC)
+    return path
+
+
+def refused(path: Path, code: str, *arguments: str) -> None:
+    before = path.read_bytes()
+    status, _, err = run_command(*arguments)
+    assert (status, code in err, path.name in err, "another name" in err) == (2, True, True, True), err
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_the_log_of_a_drive(packed: bool, tmp_path: Path) -> None:
+    mapping, log = field_logs.write(tmp_path, field_logs.straight(30.0, 10.0))
+    if packed:
+        file = log.with_suffix(".csv.gz")
+        file.write_bytes(gzip.compress(log.read_bytes()))
+        log = file
+    command = ("import", "log", str(log), "--map", str(mapping), "--no-report", "--quiet", "--out")
+    refused(log, "D120", *command, str(log))
+    refused(mapping, "D120", *command, str(mapping))
+    for name in ("drive.tmrec.jsonl.gz", "drive"):
+        for _ in range(2):  # a recording is written again
+            assert run_command(*command, str(tmp_path / name))[0] == 0
+    refused(log, "E435", "import", "log", "--map", str(mapping), "--keep", str(log))
+
+
+def test_the_record_of_a_run(tmp_path: Path) -> None:
+    pytest.importorskip("mcap", reason="writes MCAP")
+    written, record, other = tmp_path / "m.spec", tmp_path / "run.arrows", tmp_path / "run.mcap"
+    written.write_text(f"{SPEC}signal ego : state {{ x: m, y: m, heading: rad, v: m/s }}\n")
+    supervisor = tm.supervisor(tm.load(written), clock=lambda: 0.0, record=record)
+    supervisor.step(None)
+    supervisor.close()
+    command = ("replay", str(record), "--spec", str(written), "--mcap")
+    refused(record, "D120", *command, str(record))
+    for _ in range(2):
+        assert run_command(*command, str(other))[0] == 0
+        assert other.read_bytes()[1:5] == b"MCAP"
+
+
+def test_a_spec(spec: Path) -> None:
+    show = ("show", "slow", "--spec", "m.spec")
+    for more in ((), ("--draw",), ("--format", "html"), ("--json",), ("--as", "spec")):
+        refused(spec, "E412", *show, *more, "--out", "m.spec")
+
+
+@pytest.mark.parametrize(
+    ("more", "name", "begins"),
+    [
+        (("--draw",), "slow.svg", "<svg"),
+        (("--over", "p.v"), "slow.svg", "<svg"),
+        (("--format", "html"), "slow.html", "<!doctype html>"),
+        (("--json",), "slow.json", '{"rule": "slow"'),
+    ],
+)
+def test_show_writes_what_it_says(more: tuple[str, ...], name: str, begins: str, spec: Path) -> None:
+    """`--out slow.html` of a page held a picture."""
+    command = ("show", "slow", "--spec", "m.spec", *more)
+    for _ in range(2):
+        assert run_command(*command, "--out", name) == (0, "", "")
+    text = Path(name).read_text("utf-8")
+    assert text.startswith(begins)
+    assert run_command(*command) == (0, text, "")
+
+
+def test_show_writes_a_text(spec: Path) -> None:
+    command = ("show", "slow", "--spec", "m.spec", "--as", "formula")
+    assert run_command(*command, "--out", "slow.txt") == (0, "", "")
+    assert run_command(*command) == (0, Path("slow.txt").read_text("utf-8"), "")
+
+
+def test_an_empty_file_is_nothing(tmp_path: Path) -> None:
+    """As `mktemp` makes one; and what is no file, such as a terminal, is for whoever names it."""
+    path = tmp_path / "new"
+    assert not other_there(path, None)
+    path.touch()
+    assert not other_there(path, None)
+    assert not other_there(Path("/dev/null"), None)
+    path.write_text("mine")
+    assert other_there(path, None)
+    assert other_there(path, b"its")
+    assert not other_there(path, b"mine")
+    path.write_bytes(b"\x1f\x8b no gzip")
+    assert other_there(path, b"mine")
