@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,12 +18,16 @@ from trackmarshal.cli.options import choose_limits, choose_rules, limits_of
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import other_there
 
 if TYPE_CHECKING:
     from trackmarshal.backends.c.source import Source
     from trackmarshal.evaluation import Evaluator
     from trackmarshal.runtime.record import Run
     from trackmarshal.scenarios.recording import Recording
+
+#: How every header that this writes begins.
+_GENERATED = b"/* Generated from a spec by trackmarshal."
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -102,6 +106,7 @@ def run(args: argparse.Namespace) -> int:
     folder = Path(args.out)
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        _refuse_others(folder, texts)
         for name, text in texts.items():
             (folder / name).parent.mkdir(exist_ok=True)
             (folder / name).write_text(text, encoding="utf-8")
@@ -139,6 +144,16 @@ _TAKEN = (
     "client_example",
     "executing",
 )
+
+
+def _refuse_others(folder: Path, names: Iterable[str]) -> None:
+    """Raise E474 where a file is in the way that somebody else wrote: no header is beside it of which one can see that it was generated."""
+    there = sorted(name for name in names if (folder / name).exists())
+    if there and all(other_there(header, _GENERATED) for header in folder.glob("*.h")):
+        raise TrackmarshalError(
+            "E474", f"{there[0]} is there already, and nothing in {folder} was generated", file=str(folder / there[0]),
+            help="nothing was written; choose another folder with --out",
+        )  # fmt: skip
 
 
 def _process(source: Source, args: argparse.Namespace) -> tuple[dict[str, str], dict[str, int]]:

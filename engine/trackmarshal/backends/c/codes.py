@@ -23,7 +23,7 @@ CODES = {
         " one, or a track that the C geometry refuses (a coordinate that is all but zero, a figure of eight that crosses itself more often"
         " than there is room for), is not evaluated at all.",
     ),
-    "E474": ("the output folder cannot be written", "`compile` writes its files into the folder of `--out`, and makes it if need be."),
+    "E474": ("the output folder cannot be written", "`compile` writes its files into the folder of `--out`, and makes it if need be. A folder in which nothing was generated, and somebody has a file by one of these names (main.c, CMakeLists.txt, report.md), is refused: it would be lost."),
     "E475": (
         "cycles that this program cannot run from",
         "`compile --cycles` writes recordings as files for the example that comes with a Supervisor in C. Vehicle and track are compiled in,"
