@@ -149,6 +149,30 @@ def test_the_page_about_rulebooks(
         subprocess.run(["cc", *flags, file], check=True)
 
 
+def test_the_page_about_taking_up() -> None:
+    """What docs/takeup.md says of the shipped scenarios: in which cycles the rules as shipped refuse the emergency trajectory."""
+    page = (ROOT / "docs" / "takeup.md").read_text("utf-8")
+    ((lacks, of),) = re.findall(r"`free_lap` lacks it in (\d+) of (\d+) cycles", page)
+    spec = tm.load([ROOT / "specs" / "supervisor", ROOT / "specs" / "fallback"])
+    rules = [rule.name for rule in spec.rules if rule.name.startswith("takeup_")]
+    assert len(rules) == 5
+    evaluator = tm.Evaluator(spec, rules)
+
+    def refused(name: str) -> tuple[set[float], int]:
+        run = tm.replay(tm.load_recording(ROOT / "specs" / "scenarios" / name), evaluator)
+        return {time for rule in rules for time in run.unsafe_times("emergency", rule)}, len(run.cycles)
+
+    times, cycles_there = refused("free_lap.tmrec.jsonl")
+    assert (len(times), cycles_there) == (int(lacks), int(of))
+    for name in ("overreach", "late_brakes"):
+        mistakes = re.findall(
+            r"\{begin: (.*?), end: (.*?),", (ROOT / "specs" / "scenarios" / f"{name}.yaml").read_text("utf-8")
+        )
+        times, _ = refused(f"{name}.tmrec.jsonl.gz")
+        assert times
+        assert all(any(float(begin) <= time <= float(end) for begin, end in mistakes) for time in times)
+
+
 def test_the_readme_supervises(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The README's program, on the first cycle of the cut-in, as if it came now."""
     (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text("utf-8"), re.DOTALL)

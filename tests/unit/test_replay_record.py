@@ -70,6 +70,15 @@ def test_another_backend_decides_the_same(record: Path, capsys: pytest.CaptureFi
     assert replay(capsys, str(record), "--backend", "reference")[0] == 0
 
 
+def test_single_rules_are_refused(record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """All were run all the same, and one that there is not had decided the same, bit for bit. As a recording, its cycles are run with those."""
+    for rule in ("speed_limit", "nosuch"):
+        status, out, err = replay(capsys, str(record), "--rule", rule)
+        assert (status, out, "error[E437]" in err) == (2, "", True), err
+    assert replay(capsys, str(record), "--rule", "speed_limit", "--out", str(tmp_path / "out"))[0] == 1
+    assert replay(capsys, str(record), "--rule", "nosuch", "--out", str(tmp_path / "out"))[0] == 2
+
+
 def test_lines(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     status, out, _ = replay(capsys, str(record), "--format", "jsonl")
     lines = [json.loads(line) for line in out.splitlines()]

@@ -16,7 +16,7 @@ CODES = {
     "E437": (
         "what is given cannot be, or is given without a reason",
         "`--given plan.grip=0.9 --because \"a dry track, and a tenth less\"` stands for an input that a recording does not have, in the unit that the spec declares, in every "
-        "cycle. Runs show it with its reason. What a recording has itself cannot be given, and a record of a run has what the Supervisor had.",
+        "cycle. Runs show it with its reason. What a recording has itself cannot be given, and a record of a run has what the Supervisor had, and is run again with all rules that it had: of one that `--rule` names alone, its decisions say nothing.",
     ),
 }  # fmt: skip
 

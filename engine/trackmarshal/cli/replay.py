@@ -157,7 +157,7 @@ def _all(args: argparse.Namespace) -> int:
 
 
 def _alone(args: argparse.Namespace, path: str) -> None:
-    """Refuse `--from` beside what needs every cycle, and inputs beside a record, which has those of its run; raises E436 and E437."""
+    """Refuse `--from` beside what needs every cycle, and inputs and rules beside a record, which has those of its run; raises E436 and E437."""
     if args.given or args.because:
         raise TrackmarshalError(
             "E437",
@@ -165,6 +165,10 @@ def _alone(args: argparse.Namespace, path: str) -> None:
             file=path,
             help="leave out `--given` and `--because`",
         )
+    if args.rule and not args.out and args.rulebook is None:
+        raise TrackmarshalError(
+            "E437", "a record of a run has the rules of that run", file=path, help="leave out `--rule`; with `--out`, its cycles are run as a recording"
+        )  # fmt: skip
     for name, given in (("--mcap", args.mcap), ("--out", args.out), ("--rulebook", args.rulebook)):
         if args.begin is not None and given:
             raise TrackmarshalError(
