@@ -111,6 +111,20 @@ def test_the_page_about_python(
     assert abs(drawn - shown).mean() < 0.01  # other versions set letters otherwise
 
 
+def test_the_page_about_reports(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its program, where the project's specs are; and the pages that it writes are there."""
+    page = (ROOT / "docs" / "reports.md").read_text("utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "specs").symlink_to(ROOT / "specs")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(program, "docs/reports.md", "exec"), {})
+    assert re.findall(r"It prints `(.*?)`", page) == capsys.readouterr().out.splitlines()
+    assert "cut-ins" in Path("pages/index.html").read_text("utf-8")
+    assert "safe_gap" in Path("pages/runs/cut_in.html").read_text("utf-8")
+
+
 def test_the_page_about_python_names_all_of_it() -> None:
     page = (ROOT / "docs" / "python.md").read_text("utf-8")
     assert [name for name in tm.__all__ if f"`{name}`" not in page] == []
