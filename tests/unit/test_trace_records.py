@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from golden.trace.cases import PROJECT, Small
+from support.project import run_command
 from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import (
@@ -188,3 +190,24 @@ def test_the_fixture_is_read_whole() -> None:
     items, tests, results, runs = Small().parts()
     assert (len(items), len(tests), len(results), len(runs)) == (4, 12, 12, 3)
     assert PROJECT.is_dir()
+
+
+def test_what_a_result_that_is_stale_says_to_run_makes_it_anew(tmp_path: Path) -> None:
+    """It said `trackmarshal test`, which keeps no results."""
+    car = tmp_path / "car"
+    assert run_command("init", str(car), "--quiet")[0] == 0
+    spec = car / "specs" / "speed.spec"
+    edited = spec.read_text("utf-8").replace("v: 25 m/s", "v: 24 m/s").replace("margin 5", "margin 6")
+
+    def helps() -> list[tuple[str, str]]:
+        _, out, _ = run_command("trace", "--as-is", "--format", "json", "--project", str(car))
+        found = json.loads(out)["findings"]
+        return [(one["code"], one["help"]) for one in found if one["code"] in ("T216", "T217", "T218")]
+
+    for code in ("T218", "T216"):
+        ((said, help_),) = helps()
+        assert said == code
+        (verb,) = re.findall(r"`trackmarshal (\w+)`", help_)
+        run_command(verb, "--project", str(car), "--quiet")
+        assert helps() == []
+        spec.write_text(edited, "utf-8")

@@ -37,7 +37,7 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
     if not_run:
         said = "1 test has" if len(not_run) == 1 else f"{len(not_run)} tests have"
         message = f"{said} not been run, which counts as not covered"
-        yield warning("T218", message, item_place(not_run[0]), "run `trackmarshal test`")
+        yield warning("T218", message, item_place(not_run[0]), "run `trackmarshal assess`")
 
 
 def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding]:
@@ -94,12 +94,12 @@ def _results(spec: Spec, known: set[tuple[str, str]]) -> Iterator[Finding]:
         place = Place(result.file, result.line)
         if key not in known:
             message = f'a result of the test "{result.title}" of `{result.rule}`, which does not exist'
-            yield warning("T217", message, place, "run `trackmarshal test` again", result.rule)
+            yield warning("T217", message, place, "run `trackmarshal assess` again", result.rule)
             continue
         stale = spec.staleness(result)
         if stale:
             message = f'the result of the test "{result.title}" of `{result.rule}` is stale: {stale}'
-            yield warning("T216", message, place, "run `trackmarshal test` again", result.rule)
+            yield warning("T216", message, place, "run `trackmarshal assess` again", result.rule)
         elif result.outcome in ("failed", "error"):
             came = "failed" if result.outcome == "failed" else "could not be run"
             why = f": {result.message}" if result.message else ""
