@@ -558,7 +558,9 @@ def load(path: Path, shown: str | None = None) -> ResultsFile:
         ) from error
 
 
-_HELP = "delete it, or write it again with `trackmarshal test` or `trackmarshal replay`"
+_HELP = (
+    "delete it: `trackmarshal assess` makes results anew, `trackmarshal import log --keep` the run of a log"
+)
 T = TypeVar("T")
 _REQUIRED: Any = object()
 

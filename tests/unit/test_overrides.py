@@ -162,6 +162,7 @@ def test_whoever_replays_gives_what_is_missing_with_a_reason(tmp_path: Path) -> 
         (("--given", "objects.age=0"), "without a reason"),
         (("--given", "objects.age=0", "--because", " "), "without a reason"),
         (("--because", WHY), "a reason for nothing"),
+        (("--given", "objects.age=0", "--given", "objects.age=1", "--because", WHY), "given twice"),
         (("--given", "objects.age=old", "--because", WHY), "no finite number"),
         (("--given", "objects.age=inf", "--because", WHY), "no finite number"),
         (("--given", "age=1", "--because", WHY), "no field of"),

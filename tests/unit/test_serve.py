@@ -90,6 +90,10 @@ def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) ->
         (["--shm", "x", "--limit", "bugdet=1"], "error[E481]: there is no limit `bugdet`"),
         (["--shm", "x", "--limit", "budget=soon"], "error[E481]: `soon` is no number for the limit `budget`"),
         (["--shm", "x", "--limit", "samples=1"], "error[E481]: the limit `samples` is 1"),
+        (
+            ["--shm", "x", "--limit", "budget=1", "--limit", "budget=2"],
+            "error[E481]: the limit `budget` is given twice",
+        ),
         (["--shm", "x", "--to", "7000"], "error[E477]: --to is for datagrams"),
         (["--udp", "70000"], "error[E477]: 70000 is no port"),
         (["--udp", "7000", "--to", "0"], "error[E477]: 0 is no port"),

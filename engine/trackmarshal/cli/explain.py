@@ -45,7 +45,9 @@ def run(args: argparse.Namespace) -> int:
         return _code(args.what.upper())
     if args.rule is None or args.at is None:
         raise TrackmarshalError(
-            "E442", f"`{args.what}` is no code", help="for a recording, add --rule R --at T"
+            "E442",
+            f"`{args.what}` is no code",
+            help="a code is a letter and three digits, such as E301; for a recording, add --rule R --at T",
         )
     return _verdict(args)
 

@@ -47,6 +47,8 @@ def with_given(recording: Recording, given: list[str], because: str) -> Recordin
         problem = inputs.not_to_be_given(name)
         if not problem and name in inputs.recorded(recording):
             problem = f"`{name}` is in the recording"
+        if not problem and name in found:
+            problem = f"`{name}` is given twice"
         try:
             found[name] = float(number)
         except ValueError:

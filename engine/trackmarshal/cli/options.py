@@ -64,6 +64,10 @@ def limits_of(args: argparse.Namespace, spec: Spec) -> Limits:
                 f"there is no limit `{name}`",
                 help=close_matches(name, defaults) or f"one of {', '.join(defaults)}",
             )
+        if name in chosen:
+            raise TrackmarshalError(
+                "E481", f"the limit `{name}` is given twice", help="leave out one of both"
+            )
         try:
             chosen[name] = int(text) if isinstance(defaults[name], int) else float(text)
         except ValueError as error:
