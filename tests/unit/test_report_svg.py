@@ -22,7 +22,7 @@ from trackmarshal.trace.report.svg.axis import Axis, margin_axis, nice_step, nic
 from trackmarshal.trace.report.svg.element import tag, text, thinned
 from trackmarshal.trace.report.svg.labels import Places, around
 from trackmarshal.trace.report.svg.view import NARROW, WIDE, fit
-from trackmarshal.trace.report.words import clock, plain, quantity
+from trackmarshal.trace.report.words import clock, plain, quantity, told
 
 SVG = "{http://www.w3.org/2000/svg}"
 sizes = st.floats(1e-6, 1e6)
@@ -159,6 +159,11 @@ def test_numbers_as_people_read_them(value: float, said: str) -> None:
 def test_units_and_what_is_not_finite() -> None:
     assert quantity(2.0, "m/s^2") == "2 m/s²"
     assert quantity(0.5, "1") == "0.5"
+    assert [quantity(-2.511, unit) for unit in ("mixed", "scaled")] == [
+        "−2.511 SI",
+        "−2.511 scales",
+    ]  # of several dimensions
+    assert told("    flag = mixed") == ("flag", "mixed")
     assert [quantity(v, "m") for v in (math.nan, math.inf, -math.inf)] == ["undefined", "+∞", "−∞"]
     assert clock(0.30000000000000004) == "0.3"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -66,6 +67,20 @@ def test_a_link_opens_at_its_second(
     drawn = cursors(page)
     assert len(drawn) >= 3
     assert drawn == pytest.approx([float(shown.split(maxsplit=1)[0])] * len(drawn), abs=1e-3)
+
+
+def test_what_is_open_makes_nothing_unsafe(
+    page: Page, written: tuple[Path, dict[str, Any]], tmp_path: Path
+) -> None:
+    """It stood among the rules that do, and the legend said so, too."""
+    text = written[0].read_text("utf-8")
+    opened, count = re.subn(r'"v":"([sviou-]+)"', lambda found: f'"v":"{"o" * len(found[1])}"', text)
+    assert count > 0
+    changed = tmp_path / "open.html"
+    changed.write_text(opened, "utf-8")
+    page.open(changed, "#t=2")
+    assert page.evaluate('document.querySelector("#stepper output").textContent').endswith("all safe")
+    assert "unsafe until" not in text
 
 
 @pytest.mark.parametrize("fragment", ["", "#margins", "#t=", "#t=never", "#t=1e999", "#t=--3"])

@@ -46,14 +46,22 @@ def plain(value: float, digits: int = 4) -> str:
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
+#: What stands for a unit where a rule has margins of several dimensions: numbers in SI, or of scales.
+_SEVERAL = {"mixed": "SI", "scaled": "scales"}
+
+
 def spoken_unit(unit: str) -> str:
-    return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
+    return _SEVERAL.get(unit) or _raised(unit)
+
+
+def _raised(text: str) -> str:
+    return text.replace("^2", "²").replace("^3", "³").replace("*", "·")
 
 
 def told(line: str) -> tuple[str, str]:
     """A line that `trackmarshal explain` prints as what it is of and how much that is, "" where it is no number."""
     name, _, value = line.strip().partition(" = ") if line.startswith("    ") else (line.strip(), "", "")
-    return name, spoken_unit(value)
+    return name, _raised(value)
 
 
 def clock(t: float) -> str:

@@ -17,7 +17,7 @@
     data.rules.forEach(function (rule) {
       var parts = {};
       rule.lanes.forEach(function (lane) {
-        var letter = lane.v[i], said = letter === "v" ? (lane.m[i] + " " + rule.unit).trim().replace("-", "−") : letter === "u" ? "undefined" : letter === "o" ? "open" : "";
+        var letter = lane.v[i], said = letter === "v" ? (lane.m[i] + " " + rule.unit).trim().replace("-", "−") : letter === "u" ? "undefined" : "";
         if (said) (parts[said] = parts[said] || []).push(lane.c);
       });
       Object.keys(parts).forEach(function (said) { found.push(rule.name + " " + said + " (" + (parts[said].length > 1 ? "both" : parts[said][0]) + ")"); });
