@@ -41,6 +41,23 @@ def test_every_shipped_module_can_be_used(tmp_path: Path) -> None:
         assert [str(d) for d in compile_paths([uses(tmp_path, *more, name)]).errors] == [], name
 
 
+def test_a_new_project_takes_the_shipped_rules_as_the_tutorial_says(tmp_path: Path) -> None:
+    car = tmp_path / "car"
+    assert run_command("init", str(car), "--quiet")[0] == 0
+    page = (REPOSITORY / "docs" / "tutorial.md").read_text("utf-8")
+    said = page[page.index("- The shipped rules of a Supervisor") :]
+    uses(car / "specs", "supervisor.collision", "supervisor.assumptions")
+    assert {error.code for error in compile_paths([car / "specs"]).errors} >= {"E215"}
+    for step in ("`use supervisor.interface` in place of `use signals`", "remove `specs/signals.spec`"):
+        assert step in said
+    (car / "specs" / "signals.spec").unlink()
+    for path in (car / "specs").rglob("*.spec"):
+        path.write_text(
+            path.read_text("utf-8").replace("use signals\n", "use supervisor.interface\n"), "utf-8"
+        )
+    assert [str(error) for error in compile_paths([car / "specs"]).errors] == []
+
+
 def test_rules_are_those_of_the_checkout(tmp_path: Path) -> None:
     shared = load(uses(tmp_path, "supervisor.assumptions", "supervisor.collision"), shown_from=tmp_path)
     shipped = load(REPOSITORY / "specs" / "supervisor")
