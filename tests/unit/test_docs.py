@@ -163,6 +163,17 @@ def test_the_page_about_rulebooks(
         subprocess.run(["cc", *flags, file], check=True)
 
 
+def test_the_page_about_scenarios(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its command, of a scenario that is about rules beside the project's: without these it is outside of its ground truth."""
+    page = (ROOT / "docs" / "scenarios.md").read_text("utf-8")
+    (command,) = re.findall(r"`trackmarshal (replay [^`]*late_brakes[^`]*)`", page)
+    monkeypatch.chdir(ROOT)
+    assert main(command.split()) == 0
+    assert "takeup_friction" in capsys.readouterr().out
+
+
 def test_the_page_about_taking_up() -> None:
     """What docs/takeup.md says of the shipped scenarios: in which cycles the rules as shipped refuse the emergency trajectory."""
     page = (ROOT / "docs" / "takeup.md").read_text("utf-8")

@@ -499,3 +499,11 @@ def test_noise_that_does_not_explain_the_log_is_refused(tmp_path: Path) -> None:
     where.write_text(where.read_text() + "noise: {lateral_jerk: 0.3}\n")
     made = build.build(mapping.read(where), file)
     assert np.angle(np.exp(1j * (made.motion.heading - made.log.heading))) == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_log_of_the_command_line_is_none_that_the_mapping_names(tmp_path: Path) -> None:
+    """It was said to be, and that it need not be here."""
+    declared = mapping.read(Path(__file__).parents[1] / "field" / "lvms_25s.yaml")
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(declared, tmp_path / "none.csv")
+    assert (found.value.code, found.value.help) == ("D120", "check the path")

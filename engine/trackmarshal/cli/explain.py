@@ -36,7 +36,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rule", metavar="R")
     parser.add_argument("--at", metavar="T", type=float, help="time of the cycle in s")
     parser.add_argument("--candidate", choices=("driving", "emergency"), help="default: both")
-    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
+    parser.add_argument(
+        "--spec",
+        action="append",
+        metavar="SPEC",
+        help="spec file or folder (repeatable; default: the project's)",
+    )
     configure_with(parser)
 
 
@@ -74,11 +79,11 @@ def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.scenarios.replay import known_tables
     from trackmarshal.units import in_full, moment
 
-    spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
+    spec_path, *more = map(Path, args.spec) if args.spec else [default_spec(find_project(args))]
     settings = [Path(p) for p in args.settings]
-    recording = overruled(load(args.what), spec_path, settings)
+    recording = overruled(load(args.what), spec_path, settings, more)
     project = optional_project(args)
-    evaluator = evaluator_for(recording, spec_path, settings, project, [args.rule], "reference")
+    evaluator = evaluator_for(recording, spec_path, settings, project, [args.rule], "reference", more=more)
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
@@ -92,7 +97,7 @@ def _verdict(args: argparse.Namespace) -> int:
     tables, _ = known_tables(recording, evaluator.spec)
     if remembers(evaluator.rules[0]):
         # What was driven, which the others decide on too, is part of what is remembered.
-        every = evaluator_for(recording, spec_path, settings, project, None, "numpy")
+        every = evaluator_for(recording, spec_path, settings, project, None, "numpy", more=more)
         found = _over_run(recording, every, tables, place, candidates, args.rule)
     else:
         found = _alone(recording, evaluator, tables, place, candidates)

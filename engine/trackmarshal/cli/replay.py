@@ -65,7 +65,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="SCENARIO",
         help="recordings: .tmrec.jsonl or .saa; declarations: .yaml; records: .arrows",
     )
-    parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: the project's)")
+    parser.add_argument(
+        "--spec",
+        action="append",
+        metavar="SPEC",
+        help="spec file or folder (repeatable; default: the project's)",
+    )
     choose_rules(parser, "evaluate")
     choose_backend(parser, None, "default: numpy; for a record, its own")
     choose_given(parser)
@@ -97,16 +102,16 @@ def _all(args: argparse.Namespace) -> int:
     from trackmarshal.rulebooks.order import rulebook
     from trackmarshal.scenarios import load as load_recording
 
-    spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
+    spec_path, *more = map(Path, args.spec) if args.spec else [default_spec(find_project(args))]
     project = optional_project(args)
     status = 0
     settings = [Path(p) for p in args.settings]
     written: set[str] = set()
-    order = rulebook(load([spec_path], settings, project), args.rulebook) if args.rulebook else None
+    order = rulebook(load([spec_path, *more], settings, project), args.rulebook) if args.rulebook else None
     compared = Runs(args.format)
     for path in args.scenarios:
         if is_record(path):
-            spec = load([spec_path], settings, project)
+            spec = load([spec_path, *more], settings, project)
             _alone(args, path)
             status = max(
                 status,
@@ -129,11 +134,13 @@ def _all(args: argparse.Namespace) -> int:
                 help='run it under a Supervisor that records (`tm.supervisor(spec, record="run.arrows")`, docs/supervisor.md), then '
                 "`trackmarshal replay run.arrows --mcap FILE`",
             )
-        recording = overruled(load_recording(path), spec_path, settings)
+        recording = overruled(load_recording(path), spec_path, settings, more)
         recording = with_given(recording, args.given, args.because)
         if args.out:
             _claim(recording, written)
-        evaluator = evaluator_for(recording, spec_path, settings, project, args.rule, args.backend or "numpy")
+        evaluator = evaluator_for(
+            recording, spec_path, settings, project, args.rule, args.backend or "numpy", more=more
+        )
         brief = args.format == "text" and not args.out and order is None
         outcome = run_one(recording, evaluator, args.quiet, brief)
         if args.format == "jsonl":
@@ -179,11 +186,13 @@ def _alone(args: argparse.Namespace, path: str) -> None:
             )
 
 
-def overruled(recording: Recording, spec_path: Path, settings: list[Path]) -> Recording:
+def overruled(
+    recording: Recording, spec_path: Path, settings: list[Path], more: Sequence[Path] = ()
+) -> Recording:
     """The recording without the vehicle values that the command line sets: what a person says now counts more."""
     from trackmarshal.evaluation import setting_names
 
-    names = setting_names([spec_path], settings)
+    names = setting_names([spec_path, *more], settings)
     params = {name: value for name, value in recording.params.items() if name not in names}
     tables = {name: rows for name, rows in recording.tables.items() if name not in names}
     return replace(recording, params=params, tables=tables)

@@ -100,7 +100,7 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
 
 def checked(path: Path, shown: str, named: Named | None, mapping: Mapping) -> bytes:
     """The bytes of a file, which are those that the mapping's hash is of; raises D120, D124, D175 and D178."""
-    if named is not None and not path.exists():
+    if named is not None and not path.exists() and path == find(mapping, named):
         message = "this file of the mapping is not here: nothing is said about it"
         raise TrackmarshalError(
             "D178",
