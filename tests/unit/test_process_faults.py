@@ -1090,7 +1090,7 @@ def test_shared_memory_without_room_says_why(tmp_path: Path) -> None:
         built().command(shm=str(tmp_path / "one")),
         capture_output=True, text=True, check=False, preexec_fn=small, restore_signals=False, timeout=PATIENCE,
     )  # fmt: skip
-    assert (done.returncode, done.stdout) == (1, "")
+    assert (done.returncode, done.stdout) == (2, "")  # as of every verb: nothing was found, nothing began
     assert done.stderr == f"{tmp_path}/one.cycles cannot be made: File too large\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.lock"]
 

@@ -253,10 +253,10 @@ int main(int argc, char **argv) {
   if ((name == NULL) == (port == 0u)) { return usage("--shm or --udp"); }
   if ((name != NULL) && (strlen(name) > 4000u)) { return usage("the path is too long"); }
   if ((port != 0u) && (TML_DATAGRAMS == 0)) { return usage("a message is too long for a datagram: --shm, or smaller capacities"); }
-  if (clock_gettime(CLOCK_MONOTONIC, &started) != 0) { return 1; }
+  if (clock_gettime(CLOCK_MONOTONIC, &started) != 0) { return 2; }
   if (!tml_desk_start(&desk, ((uint64_t)started.tv_sec * UINT64_C(1000000000)) + (uint64_t)started.tv_nsec, simulated, &which)) {
     (void)fprintf(stderr, "`%s` cannot be so\n", which);
-    return 1;
+    return 2;
   }
   (void)memset(&action, 0, sizeof(action));
   action.sa_handler = end;
@@ -264,7 +264,7 @@ int main(int argc, char **argv) {
   (void)sigaction(SIGTERM, &action, NULL);
   (void)mlockall(MCL_CURRENT | MCL_FUTURE); /* where it is allowed: no page has to be fetched while driving */
   if (name != NULL) {
-    if (!shared_memory(name)) { return 1; }
+    if (!shared_memory(name)) { return 2; }
     (void)printf("serves %s\n", name);
     (void)fflush(stdout);
     serve_memory(how);
@@ -272,7 +272,7 @@ int main(int argc, char **argv) {
     const int socket_made = bound(port);
     if (socket_made < 0) {
       (void)fprintf(stderr, "port %u is taken: %s\n", port, strerror(errno));
-      return 1;
+      return 2;
     }
     (void)printf("serves port %u\n", port);
     (void)fflush(stdout);
