@@ -214,6 +214,13 @@ def test_filters_show_what_the_json_says(browser: Page, pages: Path) -> None:
                 assert said.startswith(f"{len(shown)} of "), said
 
 
+def test_what_is_demanded_no_longer_says_so(browser: Page, pages: Path) -> None:
+    """It is among the rows, and not among the requirements that are counted above."""
+    browser.open(pages / "matrix.html", "#kind=requirement&q=RR")
+    said = browser.evaluate('[...document.querySelectorAll("#rows tbody th")].map((one) => one.innerText)')
+    assert [one.split()[0] for one in said if "obsolete" in one] == ["RR-4"]
+
+
 def test_search_finds_all_words_wherever_they_stand(browser: Page, pages: Path) -> None:
     walk = Walk((pages / "matrix.html").read_text("utf-8"))
     browser.open(pages / "matrix.html")

@@ -103,6 +103,7 @@ function row(number) {
   const node = nodes[number], open = state.at === key(number);
   const name = make("th", { scope: "row", class: "name", style: "--depth: " + (depthOf.get(number) || 0) },
     make("a", { href: address({ at: open ? "" : key(number), cell: "" }), "aria-expanded": open }, make("b", {}, node.kind === "test" ? node.title || node.id : node.id), " ", node.kind === "test" ? make("span", { class: "soft" }, node.id.slice(0, node.id.indexOf(":"))) : node.title),
+    node.said.status === "obsolete" ? make("span", { class: "soft" }, " obsolete") : null,
     node.said.asil ? make("span", { class: "soft asil" }, " ASIL " + node.said.asil) : null, state.kind === "requirement" && !state.to ? null : [" ", chip(node.status) || ""]);
   const made = make("tr", { class: open ? "row open" : "row", "data-node": key(number) }, name, state.to ? make("td", { class: "many" }, led(number)) : stages(number));
   return made;
