@@ -6,7 +6,6 @@ import json
 import os
 import shutil
 import subprocess
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -27,6 +26,7 @@ from trackmarshal.comparing import (
     WEAKER,
     Pair,
     RuleChange,
+    compare,
     compared,
     judge,
 )
@@ -68,15 +68,8 @@ def fastest() -> np.ndarray:
     )
 
 
-def compare(
-    old: tm.Evaluator, new: tm.Evaluator, renamed: Mapping[str, str] | None = None
-) -> Sequence[RuleChange]:
-    """What became of every rule on the recording."""
-    return compared([Pair(judge(old, recording()), judge(new, recording()))], renamed).rules
-
-
 def only(old: tm.Evaluator, new: tm.Evaluator) -> RuleChange:
-    (change,) = compare(old, new)
+    (change,) = compare(old, new, [recording()])
     return change
 
 
@@ -147,13 +140,13 @@ def test_another_unit_is_not_comparable() -> None:
 def test_new_gone_and_renamed() -> None:
     old = evaluator(slow("40 m/s"), slow("30 m/s", "a"), slow("20 m/s", "b"))
     new = evaluator(slow("40 m/s"), slow("30 m/s", "c"), slow("10 m/s", "d"))
-    found = {change.name: change for change in compare(old, new)}
+    found = {change.name: change for change in compare(old, new, [recording()])}
     assert {name: (change.word, change.was) for name, change in found.items()} == {
         "slow": (EQUAL, ""), "c": (EQUAL, "a"), "d": (NEW, ""), "b": (GONE, ""),
     }  # fmt: skip
     assert found["d"].unsafe == (fastest() > 10).sum()
     assert found["b"].unsafe == (fastest() > 20).sum()
-    told = {change.name: change for change in compare(old, new, {"b": "d"})}
+    told = {change.name: change for change in compare(old, new, [recording()], {"b": "d"})}
     assert (told["d"].word, told["d"].was) == (STRICTER, "b")
     assert not compared([Pair(judge(old, recording()), judge(new, recording()))]).equal
 
@@ -161,7 +154,7 @@ def test_new_gone_and_renamed() -> None:
 def test_two_of_the_same_formula_are_no_renaming() -> None:
     old = evaluator(slow("40 m/s"), slow("30 m/s", "a"))
     new = evaluator(slow("40 m/s"), slow("30 m/s", "c"), slow("30 m/s", "d"))
-    assert [(change.name, change.word) for change in compare(old, new)] == [
+    assert [(change.name, change.word) for change in compare(old, new, [recording()])] == [
         ("slow", EQUAL),
         ("c", NEW),
         ("d", NEW),

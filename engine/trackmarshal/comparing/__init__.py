@@ -18,9 +18,9 @@ from trackmarshal.comparing.changes import (
 )
 from trackmarshal.comparing.decisions import DecisionChange
 from trackmarshal.comparing.judged import Judged, judge
-from trackmarshal.comparing.pairs import Comparison, Pair, compared, of_rule
+from trackmarshal.comparing.pairs import Comparison, Pair, compare, compared, of_rule
 
 __all__ = [
     "EQUAL", "GONE", "MIXED", "NEW", "NOT_COMPARABLE", "STRICTER", "WEAKER", "Comparison", "DecisionChange", "Flip", "Judged", "Margins", "Moment",
-    "Pair", "RuleChange", "compared", "judge", "of_rule",
+    "Pair", "RuleChange", "compare", "compared", "judge", "of_rule",
 ]  # fmt: skip

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.comparing.changes import EQUAL, GONE, NEW, Column, RuleChange, alone, changed
 from trackmarshal.comparing.decisions import DecisionChange, decided
-from trackmarshal.comparing.judged import Judged
+from trackmarshal.comparing.judged import Judged, judge
+from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.scenarios.recording import Recording
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +35,16 @@ class Comparison:
             rule.word == EQUAL and not (rule.changed or rule.was or rule.severity or rule.undecided)
             for rule in self.rules
         )
+
+
+def compare(
+    old: Evaluator, new: Evaluator, recordings: Iterable[Recording], renamed: Mapping[str, str] | None = None
+) -> tuple[RuleChange, ...]:
+    """What became of every rule on recordings (docs/diff.md), which are judged as the Supervisor does it, both candidates in every cycle.
+
+    Otherwise as `compared`. Raises TrackmarshalError as a replay does.
+    """
+    return compared([Pair(judge(old, each), judge(new, each)) for each in recordings], renamed).rules
 
 
 def compared(pairs: Sequence[Pair], renamed: Mapping[str, str] | None = None) -> Comparison:
