@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -141,6 +142,45 @@ def _both(decision: Any) -> tuple[str, str]:
     """What `calm` and `short` say of the driving trajectory, whose speed is too much afterwards."""
     rated = decision.judged.rated["driving"]
     return rated.explain(0, False).verdict, rated.explain(1, False).verdict
+
+
+#: What asks for times that lie wholly among cycles for which there was no room, for counts, and for what was just before.
+ASKING = {
+    "earlier": "historically[1 s, 1.5 s] c.v <= 20 m/s",
+    "never": "not once[0.6 s, 2 s] c.v > 20 m/s",
+    "since_then": "c.v <= 22 m/s since[0.5 s, 2 s] c.v > 24 m/s",
+    "few": "count(c.v > 20 m/s, last: 1.8 s) <= 2",
+    "some": "count(c.v > 20 m/s, last: 1 s) >= 1",
+    "two": "count(c.v > 20 m/s, last: 1.8 s) == 2",
+    "other": "count(c.v < 15 m/s, last: 1.8 s) != 1",
+    "anew": "count(c.v > 20 m/s, reset: c.v < 15 m/s) <= 1",
+    "before": "not (previous c.v > 20 m/s)",
+}
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_of_more_cycles_than_there_is_room_for_nothing_else_is_said() -> None:
+    """At ten times the rate, for seconds: what C is sure of is what the reference says, which knows every cycle. What it had no room for is
+    undefined from the first of these cycles to the last, also to a window that no other cycle is in."""
+    rules = SPEC + "".join(
+        f'rule {name} "x"\n  along driven as c\n  require {one}\n' for name, one in ASKING.items()
+    )
+    crowded, reference = Rig("c", rules, rate=2), Rig("reference", rules)
+    said: dict[str, Counter[tuple[str, str]]] = {name: Counter() for name in ("calm", *ASKING)}
+    for number in range(90):
+        v = 25.0 if number % 29 in (7, 8, 11) else 10.0 if number % 29 == 9 else 18.0
+        decisions = [rig.step(v, 10.0, after=0.05) for rig in (crowded, reference)]
+        assert not any(decision.faults for decision in decisions)
+        found, wanted = (decision.judged.rated["driving"] for decision in decisions)
+        for place, name in enumerate(said):
+            one, other = (rated.explain(place, False).verdict for rated in (found, wanted))
+            assert one in (other, "undefined"), (number, name)
+            said[name][one, other] += 1
+    for name, many in said.items():
+        assert {other for _, other in many} == {"satisfied", "violated"}, (
+            name
+        )  # so that there is something to be unsure of
+        assert name == "before" or ("undefined", "violated") in many, name
 
 
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
