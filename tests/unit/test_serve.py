@@ -19,10 +19,13 @@ from support.supervised import shipped
 from trackmarshal.backends.c.process.emit import Emitted
 from trackmarshal.backends.c.process.table import SIZES
 from trackmarshal.backends.c.source import generate
+from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.cli.main import main
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.copies import link
 from trackmarshal.process.datagrams import Datagrams
 from trackmarshal.process.messages import Layout, LinkError
+from trackmarshal.process.serving import build
 from trackmarshal.runtime.cycle import Limits
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -140,6 +143,14 @@ def test_a_spec_that_cannot_supervise(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "error[E477]" in capsys.readouterr().err
     assert main(["compile", str(spec), "--out", str(tmp_path / "out"), "--limit", "budget=1"]) == 2
     assert "error[E481]: limits are compiled in with --process only" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("made", [build, CSupervisor])
+def test_without_a_rule_there_is_no_supervisor(made: Any) -> None:
+    """As where rules are chosen by names: of a list that a filter left empty, a process was built that found every cycle safe."""
+    with pytest.raises(TrackmarshalError, match="without a rule, anything would be safe") as caught:
+        made(shipped(), [])
+    assert caught.value.code == "E404"
 
 
 def test_it_says_why_no_supervisor_can_be_made(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

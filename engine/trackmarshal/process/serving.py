@@ -47,7 +47,7 @@ def build(
     """The process for a spec, compiled once for its content and kept in the user's cache, as `backends.c.build` does.
 
     Raises TrackmarshalError E470 to E472 for what generated C cannot do, E476 for what its messages cannot, E482 for a spec that cannot be
-    supervised with, E473 for places in settings, E403 where limits break a constraint of the spec.
+    supervised with, E404 where there is no rule, E473 for places in settings, E403 where limits break a constraint of the spec.
     """
     if settings.places:
         raise TrackmarshalError(

@@ -31,6 +31,7 @@ from trackmarshal.backends.c.rules import (
     group_codes,
     rule_code,
 )
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
 
@@ -81,10 +82,14 @@ def generate(
     """C for the chosen rules; raises TrackmarshalError E470 for a rule that has no C counterpart.
 
     online: with a monitor, a sample at a time, of every rule along a timeline that can have one. doored: the whole Supervisor around
-    the rules; raises E482 for a spec that cannot be supervised with.
+    the rules; raises E482 for a spec that cannot be supervised with, E404 where there is no rule.
     """
     supervised: Supervised | None = None
     if doored:
+        if not rules:
+            raise TrackmarshalError(
+                "E404", "a Supervisor has no rule", help="without a rule, anything would be safe"
+            )
         plan, supervised = supervised_layout(spec, rules)
     else:
         plan = layout(spec, rules)
