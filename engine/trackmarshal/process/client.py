@@ -86,14 +86,11 @@ class Border:
         return Border, (list(zip(flat[::2], flat[1::2])),)
 
 
-#: Columns of candidates, whose samples nobody knows again.
-_CANDIDATES = ("driving", "emergency")
-
-
 class _Group:
     """A signal or candidate as a cycle's message has it: its columns, or the entries of its lines."""
 
-    def __init__(self, name: str, kind: Kind, lines: list[str]) -> None:
+    def __init__(self, name: str, kind: Kind, lines: list[str], known_again: bool) -> None:
+        """known_again: whether it is a set, whose elements may have ids."""
         self.name = name
         self.lines = lines
         self.closed = f"{name}/closed" in kind.entries
@@ -109,7 +106,7 @@ class _Group:
         #: What may be given by these names.
         self.fields = {*(field for field, _ in self.columns), *(line.removeprefix(begin) for line in lines)}
         self.fields |= {"closed"} if self.closed else set()
-        self.fields |= {"id"} if not (self.record or lines or name in _CANDIDATES) else set()
+        self.fields |= {"id"} if known_again else set()
 
     def look(self, name: str, value: Any) -> None:
         """Raise LinkError for what is no such signal: of what is misspelt, the default would be taken."""
@@ -138,11 +135,13 @@ class _Group:
 
 def _groups(kind: Kind, layout: Layout) -> dict[str, _Group]:
     lines = [f"signals.{signal}.{field or 'line'}" for signal, field in layout.lines]
+    sets = {f"signals.{signal}" for signal in layout.said["sets"]}
     found = {}
     for name in kind.entries:
         if name.endswith("/present"):
             group = name.removesuffix("/present")
-            found[group] = _Group(group, kind, [line for line in lines if line.startswith(f"{group}.")])
+            own = [line for line in lines if line.startswith(f"{group}.")]
+            found[group] = _Group(group, kind, own, group in sets)
     return found
 
 
@@ -307,7 +306,9 @@ class Client:
                 raise LinkError(f"the columns of `{group}` have different lengths")
             else:
                 length = len(column)
-            kind.set(message, entry, entry.places(column))
+            put = kind.set(message, entry, entry.places(column))
+            if not known.record and put != length:
+                raise _changed(entry)
         count = 1 if known.record else length or 0
         if not known.record:
             kind.put(message, f"{group}/count", count)
@@ -326,7 +327,8 @@ class Client:
             _look_at_ids(group, ids, count)
         elif length_of(ids, entry.name) == count:
             kind.put(message, f"{group}/named", 1)
-            kind.set(message, entry, ids)
+            if kind.set(message, entry, ids) != count:
+                raise _changed(entry)
         elif count == 0:  # whoever they are of would not be there at all
             raise LinkError(f"the columns of `{group}` have different lengths")
 
@@ -396,6 +398,11 @@ def _faults(found: Sequence[Found]) -> list[Found]:
         if not isinstance(one, (tuple, list)) or len(one) != 4:
             raise LinkError(f"a fault is its name, signal, field and index, not {str(one)[:40]!r}")
     return listed
+
+
+def _changed(entry: Entry) -> LinkError:
+    """Of a column that another thread fills while it is sent: zeros would stand for what it has no more."""
+    return LinkError(f"`{entry.name}` has another length than just before: who sends it has to own it")
 
 
 def _look_at_ids(group: str, ids: Sequence[Any], count: int) -> None:

@@ -116,8 +116,8 @@ class Kind:
         """Set an entry: a number, or of an array its first values; an array of C's doubles or bytes is copied as it stands."""
         self.set(into, self.entries[name], value)
 
-    def set(self, into: bytearray, entry: Entry, value: Any) -> None:
-        """As `put`, of an entry at hand."""
+    def set(self, into: bytearray, entry: Entry, value: Any) -> int:
+        """As `put`, of an entry at hand; how many values there were, those among them for which it has no room."""
         if not entry.array:
             if entry.type == "f64" and not is_number(value):
                 raise LinkError(f"`{entry.name}` is no number: {str(value)[:40]!r}")
@@ -128,7 +128,7 @@ class Kind:
                 struct.pack_into("<" + entry.format, into, entry.offset, value)
             except (struct.error, OverflowError) as error:  # the one or the other, as Python's version has it
                 raise LinkError(f"`{entry.name}` cannot be that: {error}") from error
-            return
+            return 1
         length_of(value, entry.name)
         _refuse_rounded(value, entry)  # while it says what it is of: what is masked becomes a list next
         value = _unmasked(value, entry)
@@ -146,9 +146,11 @@ class Kind:
                 raise LinkError(
                     f"an entry of `{entry.name}` is a number that it cannot hold: {error}"
                 ) from error
-        if len(data) > entry.room:
+        there = len(data)
+        if there > entry.room:
             data = data[: entry.room]
         into[entry.offset : entry.offset + data.nbytes] = data.cast("B")
+        return there
 
     def get(self, data: bytes | bytearray, name: str) -> Any:
         """An entry: a number, or a view of an array."""

@@ -15,6 +15,7 @@ from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
 from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Message, Table
 from trackmarshal.backends.c.source import Source
+from trackmarshal.runtime.contract import SET
 from trackmarshal.runtime.machine import STATES
 from trackmarshal.runtime.verdict import VERDICTS
 
@@ -55,6 +56,7 @@ def describe(
         "plan": [field.name for field in source.supervised.contract.plan.numbers],
         "rules": [{"name": code.rule.name, "unit": code.rule.unit} for code in source.rules],
         "lines": [{"signal": signal, "field": field} for signal, field, _, _ in table.lines],
+        "sets": [signal.name for signal in source.supervised.inputs if signal.form == SET],
         "signals": list(table.signals),
         "fields": list(table.fields),
         "faults": list(FAULT_NAMES),

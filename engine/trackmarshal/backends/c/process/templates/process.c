@@ -115,6 +115,10 @@ static void serve_memory(tml_waiting how) {
     if (tml_get(&cycles, TML_BOX_TICK, &tick_seen, &message, &cause)) {
       busy = true;
       (void)tml_desk_take(&desk, &message, TML_BOX_TICK->length, NULL, NULL, &cause);
+    } else if (cause != TML_CAUSE_NONE) {
+      ++desk.refused[cause];
+    } else {
+      /* nothing new */
     }
     if (tml_desk_overdue(&desk)) { tml_put(&decisions, TML_BOX_DECISION, &desk.out); }
     if ((desk.simulated && busy) || (monotonic() >= beat)) {

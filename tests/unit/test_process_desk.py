@@ -1,0 +1,1022 @@
+"""The emitted C of a process, function by function: mailboxes, the client, the desk and what can stand in a message, at their edges.
+
+It is a library here, so that nothing depends on when a process comes to it. Where a fence stands, Python is asked: what another process may do meanwhile
+is done there.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import trackmarshal as tm
+from trackmarshal.backends.c.build import EXACT, SHARED, _built, compiler
+from trackmarshal.backends.c.process.emit import Emitted
+from trackmarshal.backends.c.source import generate
+from trackmarshal.process.client import Border, Client
+from trackmarshal.process.messages import Layout, LinkError, Message
+from trackmarshal.process.shared_memory import Region
+from trackmarshal.runtime.cycle import Limits
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
+
+SPEC = """module m
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s, lit: bool }
+signal objects : set of object { x: m, v: m/s, shy: bool default false } capacity 3
+signal marks : series { x: m, v: m/s }
+signal track : corridor { left: polyline, right: polyline }
+signal stop : polyline
+event yellow "a yellow flag is shown"
+rule calm ""
+  require not yellow or ego.lit or ego.v < 30 m/s
+rule room ""
+  for all o in objects
+  require once[0 s, 1 s] (o.x - ego.x > 0 m or o.v >= 0 m/s or o.shy)
+rule slow ""
+  for all p in marks
+  require p.v < 30 m/s
+rule beside ""
+  for all p in plan
+  require distance_to(p, track.left) >= 1 m and distance_to(p, track.right) >= 1 m
+rule before ""
+  for all p in plan
+  require distance_to(p, stop) >= 1 m
+"""
+LIMITS = Limits(samples=8, elements=3, border=4, budget=1e9)
+#: Beside what is emitted: what Python cannot see by itself, and what stands where a fence does.
+PROBE = """
+#include "client.h"
+#include "desk.h"
+void (*probe_hook)(void) = NULL;
+void probe_fence(int order) { (void)order; if (probe_hook != NULL) { probe_hook(); } }
+size_t probe_desk(void) { return sizeof(tml_desk); }
+size_t probe_client(void) { return sizeof(tml_client); }
+const unsigned char *probe_out(const tml_desk *desk) { return desk->out.bytes; }
+uint64_t probe_refused(const tml_client *client, size_t cause) { return client->refused[cause]; }
+"""
+FENCED = "void probe_fence(int);\n#define __atomic_thread_fence(order) probe_fence(order)\n"
+UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "supervisor.c", "probe.c")
+FETCH = ctypes.CFUNCTYPE(
+    ctypes.c_bool, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.POINTER(ctypes.c_size_t)
+)
+HOOK = ctypes.CFUNCTYPE(None)
+
+PLAN = {"t": [0.0, 0.4, 2.0], "x": [0.0, 4.0, 12.0], "y": [0.0] * 3, "heading": [0.0] * 3, "v": [10.0, 10.0, 0.0]}  # fmt: skip
+LEFT, RIGHT, STOP = ([[-50.0, 6.0], [90.0, 6.0]], [[-50.0, -6.0], [90.0, -6.0]], [[80.0, -5.0], [80.0, 5.0]])
+
+
+class C:
+    """The library, and the messages that it speaks."""
+
+    def __init__(self) -> None:
+        spec = tm.loads(SPEC)
+        source = generate(spec, list(spec.rules), doored=True)
+        made = Emitted(source, asdict(LIMITS))
+        self.layout = Layout(made.description)
+        files = {"supervisor.h": source.header, "supervisor.c": source.source, "probe.c": PROBE, **made.files}
+        files["mailbox.c"] = FENCED + files["mailbox.c"]
+        flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
+        self.dll: Any = ctypes.CDLL(str(_built(files, [*UNITS, "-lm"], flags, "so")))
+        self.dll.probe_desk.restype = self.dll.probe_client.restype = ctypes.c_size_t
+        self.dll.probe_out.restype = ctypes.c_void_p
+        for name, kinds in {
+            "tml_desk_start": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_bool, ctypes.c_void_p],
+            "tml_desk_take": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, FETCH, ctypes.c_void_p, ctypes.c_void_p],
+            "tml_desk_overdue": [ctypes.c_void_p], "tml_region_open": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_bool, ctypes.c_bool, ctypes.c_void_p],
+            "tml_get": [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
+            "tml_client_memory": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p],
+            "tml_client_tick": [ctypes.c_void_p], "tml_client_hear": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
+            "tml_client_answer": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_double, ctypes.c_char_p],
+        }.items():  # fmt: skip
+            getattr(self.dll, name).argtypes = kinds
+            getattr(self.dll, name).restype = ctypes.c_bool
+        self.dll.tml_desk_clock.restype, self.dll.tml_desk_clock.argtypes = ctypes.c_double, [ctypes.c_void_p]
+        self.dll.tml_desk_beat.argtypes = [ctypes.c_void_p]
+        self.dll.probe_out.argtypes = [ctypes.c_void_p]
+        self.dll.tml_put.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p]
+        self.dll.tml_client_send.argtypes = [ctypes.c_void_p, ctypes.c_void_p]
+        self.dll.tml_client_send.restype = self.dll.probe_refused.restype = ctypes.c_uint64
+        self.dll.probe_refused.argtypes = [ctypes.c_void_p, ctypes.c_size_t]
+        self.dll.tml_client_time.argtypes = [ctypes.c_void_p, ctypes.c_double]
+        self.dll.tml_client_close.argtypes = [ctypes.c_void_p]
+        self.dll.tml_look.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_bool]
+        self.dll.tml_sound.argtypes = [ctypes.c_char_p]
+        self.sizes = {file["name"]: file["size"] for file in self.layout.said["memory"]["files"]}
+
+    def box(self, file: str, name: str) -> int:
+        """Where C has a mailbox."""
+        boxes = next(one["mailboxes"] for one in self.layout.said["memory"]["files"] if one["name"] == file)
+        at = ctypes.addressof(ctypes.c_char.in_dll(self.dll, f"tml_{file}_boxes"))
+        return at + 40 * [box["name"] for box in boxes].index(name)
+
+    def hooked(self, hook: Callable[[], None] | None) -> Any:
+        """Ask Python at every fence; what is returned has to be kept as long as it is asked."""
+        called = HOOK() if hook is None else HOOK(hook)
+        HOOK.in_dll(self.dll, "probe_hook").value = None  # type: ignore[attr-defined]
+        ctypes.c_void_p.in_dll(self.dll, "probe_hook").value = ctypes.cast(called, ctypes.c_void_p).value
+        return called
+
+    def room(self, message: bytes = b"") -> Any:
+        """Memory for any message."""
+        return ctypes.create_string_buffer(bytes(message), max(self.layout.longest, len(message)) + 1)
+
+    def sealed(self, kind: str, message: bytearray, session: int, sequence: int, sent: float) -> bytes:
+        self.layout.seal(message, self.layout.kinds[kind], session, sequence, sent)
+        return bytes(message)
+
+
+@pytest.fixture(scope="module")
+def c() -> C:
+    return C()
+
+
+class Sent:
+    """A channel that keeps what is sent, in order."""
+
+    def __init__(self) -> None:
+        self.kept: list[tuple[str, bytes]] = []
+
+    def send(self, box: str, message: bytearray) -> bool:
+        self.kept.append((box, bytes(message)))
+        return True
+
+    def receive(self, seconds: float) -> bytes | None:
+        return None
+
+    def close(self) -> None:
+        pass
+
+
+class Planner:
+    """A client in Python in simulated time, whose messages are handed on one by one."""
+
+    def __init__(self, layout: Layout, session: int = 1000) -> None:
+        self.channel, self.now = Sent(), 0.0
+        self.client = Client(layout, self.channel, lambda: self.now)
+        self.client.session = session
+        self.borders = {"left": Border(LEFT), "right": Border(RIGHT), "stop": Border(STOP)}
+
+    def signals(self) -> dict[str, Any]:
+        track = {"left": self.borders["left"], "right": self.borders["right"], "closed": False}
+        return {
+            "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0, "lit": False}, "marks": {"x": [1.0], "v": [2.0]}, "yellow": False,
+            "objects": {"id": [7, 8], "x": [50.0, 60.0], "v": [1.0, 2.0]}, "track": track, "stop": self.borders["stop"],
+        }  # fmt: skip
+
+    def cycle(self, number: int | None, t: float | None = None, **changes: Any) -> list[tuple[str, bytes]]:
+        """What is sent of a cycle: its lines, where they are new, then itself."""
+        self.channel.kept.clear()
+        if number is not None:
+            self.now = number / 10
+        plan = {**PLAN, "x": [x + self.now * 10 for x in PLAN["x"]]}
+        signals = self.signals()
+        signals["ego"]["x"] = self.now * 10
+        self.client.send(number, self.now if t is None else t, plan, plan, {**signals, **changes})
+        return list(self.channel.kept)
+
+    def tick(self, now: float) -> bytes:
+        self.channel.kept.clear()
+        self.now = now
+        self.client.tick()
+        return self.channel.kept[0][1]
+
+
+class Desk:
+    """A Supervisor behind its messages."""
+
+    def __init__(self, c: C, simulated: bool = True) -> None:
+        self.c, which = c, ctypes.c_char_p()
+        self._memory = ctypes.create_string_buffer(c.dll.probe_desk() + 64)
+        self.at = (ctypes.addressof(self._memory) + 63) & ~63
+        assert c.dll.tml_desk_start(self.at, 77, simulated, ctypes.byref(which)), which.value
+
+    def take(self, data: bytes, fetch: Any = None) -> tuple[str, Message | None]:
+        """Why a message is not taken, or `none`; the decision, where one was made."""
+        cause = ctypes.c_int()
+        given = FETCH() if fetch is None else fetch
+        decided = self.c.dll.tml_desk_take(
+            self.at, self.c.room(data), len(data), given, None, ctypes.byref(cause)
+        )
+        return self.c.layout.causes[cause.value], self.out() if decided else None
+
+    def decided(self, messages: list[tuple[str, bytes]], fetch: Any = None) -> Message:
+        """About a cycle, of which all messages are taken."""
+        for box, data in messages:
+            cause, message = self.take(data, fetch)
+            assert (cause, message is None) == ("none", box != "cycle")
+        assert message is not None
+        return message
+
+    def out(self) -> Message:
+        data = ctypes.string_at(self.c.dll.probe_out(self.at), self.c.layout.longest)
+        cause, message = self.c.layout.look(data[: int.from_bytes(data[12:16], "little")], up=False)
+        assert message is not None, cause
+        return message
+
+    def overdue(self) -> Message | None:
+        return self.out() if self.c.dll.tml_desk_overdue(self.at) else None
+
+    def beat(self) -> Message:
+        self.c.dll.tml_desk_beat(self.at)
+        return self.out()
+
+    @property
+    def clock(self) -> float:
+        found: float = self.c.dll.tml_desk_clock(self.at)
+        return found
+
+
+def faults(message: Message) -> list[str]:
+    names = message.layout.faults
+    kinds = zip(message["reason_kind"], message["reason_name"])
+    return [names[name] for kind, name in list(kinds)[: message["reason_count"]] if kind == 0]
+
+
+# The desk -------------------------------------------------------------------------------------------------------------
+
+
+def test_the_clock_of_messages_is_that_of_the_newest_cycle_or_tick(c: C) -> None:
+    """It never goes back, lines do not move it, and what is refused does not."""
+    desk, planner = Desk(c), Planner(c.layout)
+    assert desk.clock < -1e300
+    assert desk.overdue() is None
+    said = desk.decided(planner.cycle(0))
+    assert (desk.clock, said["now"], said["simulated"], said.head.sent) == (0.0, 0.0, 1, 0.0)
+    assert desk.take(planner.tick(0.05))[0] == "none"
+    assert desk.clock == 0.05
+    assert desk.take(planner.tick(0.02))[0] == "none"
+    assert desk.clock == 0.05
+    line = bytearray(c.layout.kinds["line"].length)
+    c.layout.kinds["line"].put(line, "line_version", 9)
+    assert desk.take(c.sealed("line", line, 1000, 99, 5.0))[0] == "none"
+    assert desk.take(c.sealed("tick", bytearray(48), 999, 99, 6.0))[0] == "session"
+    assert desk.take(c.sealed("tick", bytearray(48), 1000, 1, 7.0))[0] == "sequence"
+    assert desk.take(c.sealed("tick", bytearray(48), 1000, 99, math.inf))[0] == "content"
+    assert desk.clock == 0.05
+    real = Desk(c, simulated=False)
+    assert abs(real.clock - time.monotonic()) < 5.0
+    assert real.overdue() is None
+    assert real.beat()["simulated"] == 0
+
+
+def test_a_cycle_is_overdue_after_its_decision_is_outdated(c: C) -> None:
+    """Then that is decided, about no cycle, and again when that one is."""
+    desk, planner = Desk(c), Planner(c.layout)
+    assert desk.take(planner.tick(-1.0))[0] == "none"
+    assert desk.overdue() is None  # nobody has ever sent one
+    said = desk.decided(planner.cycle(0))
+    until = said["valid_until"]
+    assert (said["safe"], until) == (1, 0.15)
+    assert desk.take(planner.tick(until))[0] == "none"
+    assert desk.overdue() is None
+    for now in (math.nextafter(until, 1.0), 0.35):
+        assert desk.take(planner.tick(now))[0] == "none"
+        missed = desk.overdue()
+        assert missed is not None
+        assert (missed["about_session"], missed["about_sequence"], missed["number"], missed["wanted"]) == (
+            0,
+            0,
+            0,
+            0,
+        )
+        assert (missed["safe"], missed["driven"], missed["driven_number"], faults(missed)) == (
+            0,
+            2,
+            0,
+            ["missing_cycle"],
+        )
+        assert math.isnan(missed["t"])
+        assert missed["fallback/due"][:3].tolist() == PLAN["t"]
+        assert desk.overdue() is None
+    beat = desk.beat()
+    assert (beat["decided"], beat["client"], beat["heard"]) == (3, 1000, planner.client._sequence)
+    assert (beat["taken"], beat["state"]) == (8, c.layout.states.index("previous_emergency"))
+
+
+def test_a_later_client_replaces_an_earlier_one_with_all_that_it_has_said(c: C) -> None:
+    """Its messages count from 1, and its lines, too: a cycle of its that names lines of before has none."""
+    desk, one, other = Desk(c), Planner(c.layout), Planner(c.layout, 1001)
+    said = desk.decided(one.cycle(0))
+    assert (said["about_session"], said["about_sequence"], said["safe"]) == (1000, 4, 1)
+    *lines, (_, cycle) = other.cycle(1)
+    said = desk.decided([("cycle", cycle)])  # its lines were lost
+    assert (said["about_session"], said["safe"], said["wanted"]) == (1001, 0, 0b111)
+    assert faults(said).count("bad_border") == 3
+    for _, data in one.cycle(2):
+        assert desk.take(data) == ("session", None)
+    for _, data in lines:  # they may come after it
+        assert desk.take(data) == ("none", None)
+        assert desk.take(data) == ("sequence", None)
+    assert desk.take(cycle) == ("sequence", None)
+    said = desk.decided(other.cycle(2))
+    assert (said["safe"], said["wanted"]) == (1, 0)
+    beat = desk.beat()
+    assert (beat["client"], beat["heard"]) == (1001, 5)
+    refused = dict(zip(c.layout.causes, beat["refused"].tolist()))
+    assert {cause: n for cause, n in refused.items() if n} == {"session": 1, "sequence": 4}
+
+
+def test_a_cycle_has_the_lines_of_its_own_client_or_none(c: C) -> None:
+    """Not one of before where it names none, nor that of a client that replaces its own while it is decided about, though their versions are alike."""
+    desk, one, other = Desk(c), Planner(c.layout), Planner(c.layout, 1001)
+    assert desk.decided(one.cycle(0))["safe"] == 1
+    said = desk.decided(other.cycle(1, stop=None, track={"left": other.borders["left"]}))
+    assert (said["safe"], said["wanted"], sorted(faults(said))) == (0, 0, ["bad_border", "missing"])
+    lines = dict(enumerate(data for _, data in Planner(c.layout, 1002).cycle(2)[:-1]))
+
+    @FETCH
+    def fetch(_: Any, slot: int, into: int, size: Any) -> bool:
+        ctypes.memmove(into, lines[slot], len(lines[slot]))
+        size[0] = len(lines[slot])
+        return True
+
+    other.client._forget(0b111)
+    other.client._versions = [0, 0, 0]
+    *_, cycle = other.cycle(2)
+    said = desk.decided([cycle], fetch)
+    assert (said["about_session"], said["safe"], said["wanted"]) == (
+        1001,
+        0,
+        0b110,
+    )  # its left border had come before
+    assert desk.beat()["client"] == 1002
+    missed = desk.overdue() if desk.take(Planner(c.layout, 1002).tick(1.0))[0] == "none" else None
+    assert missed is not None
+    assert missed["wanted"] == 0  # of no cycle
+
+
+def test_another_line_in_a_slot_is_looked_at(c: C) -> None:
+    """What was prepared for the one before is not taken for it, though it has as many points."""
+    desk, planner = Desk(c), Planner(c.layout)
+    assert desk.decided(planner.cycle(0))["safe"] == 1
+    for number, (name, points) in enumerate((("left", LEFT), ("right", RIGHT), ("stop", STOP)), start=1):
+        planner.borders[name] = Border([[x, y * 0.1] if name != "stop" else [x - 73.0, y] for x, y in points])
+        messages = planner.cycle(number)
+        assert [box for box, _ in messages] == [f"line_{number - 1}", "cycle"]
+        said = desk.decided(messages)
+        rules = said.layout.rules
+        wrong = [rules[i] for i, verdict in enumerate(said["driving_verdict"][: len(rules)]) if verdict != 0]
+        assert (said["safe"], wrong) == (0, ["before" if name == "stop" else "beside"]), name
+        planner.borders[name] = Border(points)
+        desk.decided(planner.cycle(number))  # of a number that was
+    planner.borders["left"] = Border([*LEFT, [91.0, 6.0], [92.0, 6.0], [93.0, 6.0]])
+    assert faults(desk.decided(planner.cycle(4))) != []
+
+
+def test_a_line_that_is_not_known_is_fetched(c: C) -> None:
+    """Of its slot, and of no other one; once, and not where it is known."""
+    desk, planner = Desk(c), Planner(c.layout)
+    *lines, cycle = planner.cycle(0)
+    asked: list[int] = []
+    given = dict(enumerate(data for _, data in lines))
+
+    @FETCH
+    def fetch(_: Any, slot: int, into: int, size: Any) -> bool:
+        asked.append(slot)
+        if slot in given:
+            ctypes.memmove(into, given[slot], len(given[slot]))
+            size[0] = len(given[slot])
+        return slot in given
+
+    said = desk.decided([cycle], fetch)
+    assert (said["safe"], said["wanted"], asked) == (1, 0, [0, 1, 2])
+    asked.clear()
+    assert desk.decided(planner.cycle(1), fetch)["safe"] == 1
+    assert asked == []
+    planner.client._forget(0b111)
+    *lines, cycle = planner.cycle(2)
+    # Of another slot; something else; nothing.
+    given = {0: lines[1][1], 1: planner.tick(0.2)}
+    said = desk.decided([cycle], fetch)
+    assert (said["safe"], said["wanted"], asked) == (0, 0b111, [0, 1, 2])
+    beat = desk.beat()
+    assert beat["refused"][c.layout.causes.index("kind")] == 2
+
+
+@pytest.mark.parametrize(
+    ("entry", "value", "expected"),
+    [
+        ("came", 0, ("missing_cycle", "cycle", "")), ("numbered", 0, ("missing", "cycle", "number")), ("stamped", 0, ("missing", "cycle", "t")),
+        ("driving/present", 0, ("missing", "driving", "")), ("emergency/present", 0, ("missing", "emergency", "")),
+        ("driving/absent", 1 << 4, ("missing", "driving", "v")), ("emergency/absent", 1, ("missing", "emergency", "t")),
+        ("signals.objects/absent", 1 << 1, ("missing", "objects", "v")), ("signals.objects/named", 0, ("missing", "objects", "id")),
+        ("signals.objects/present", 0, ("missing", "objects", "")), ("signals.marks/present", 0, ("missing", "marks", "")),
+        ("signals.marks/absent", 1 << 0, ("missing", "marks", "x")), ("signals.ego/present", 0, ("missing", "ego", "")),
+        ("signals.ego.lit", -1, ("not_finite", "ego", "lit")), ("signals.yellow/event", -1, ("not_finite", "yellow", "")),
+        ("signals.stop/present", 0, ("missing", "stop", "")), ("signals.track/present", 0, ("missing", "track", "")),
+        ("driving/count", 9, ("over_capacity", "driving", "")), ("signals.objects/count", 4, ("over_capacity", "objects", "")),
+        ("signals.marks/count", 9, ("over_capacity", "marks", "")),
+    ],
+)  # fmt: skip
+def test_what_a_message_does_not_have_is_a_fault(
+    entry: str, value: int, expected: tuple[str, str, str], c: C
+) -> None:
+    """Whatever else stands there: columns that are absent, and what belongs to a signal that is not there, are not read."""
+    desk, planner, kind = Desk(c), Planner(c.layout), c.layout.kinds["cycle"]
+    *lines, (_, cycle) = planner.cycle(0)
+    message = bytearray(cycle)
+    kind.put(message, entry, value)
+    said = desk.decided([*lines, ("cycle", c.sealed("cycle", message, 1000, 9, 0.0))])
+    layout = c.layout
+    found = [
+        (layout.faults[said["reason_name"][i]], layout.signals[said["reason_signal"][i]], layout.fields[said["reason_field"][i]])
+        for i in range(said["reason_count"]) if said["reason_kind"][i] == 0
+    ]  # fmt: skip
+    assert (said["safe"], said["wanted"]) == (0, 0)
+    assert expected in found
+    assert found == [expected]
+
+
+def test_a_decision_is_about_the_cycle_as_it_was_numbered_and_stamped(c: C) -> None:
+    desk, planner, kind = Desk(c), Planner(c.layout), c.layout.kinds["cycle"]
+    said = desk.decided(planner.cycle(7, t=0.68))
+    assert (said["number"], said["t"], said["now"], said["safe"]) == (7, 0.68, 0.7, 1)
+    for group in ("driving", "fallback"):
+        assert said.column(group, "due").tolist() == [t + 0.68 for t in PLAN["t"]]
+    for k, (number, stamp) in enumerate(((0, 1), (1, 0))):
+        message = bytearray(planner.cycle(8)[-1][1])
+        kind.put(message, "numbered", number)
+        kind.put(message, "stamped", stamp)
+        said = desk.decided([("cycle", c.sealed("cycle", message, 1000, 50 + k, 0.8))])
+        assert said["number"] == (8 if number else 0)
+        assert said["t"] == 0.8 if stamp else math.isnan(said["t"])
+
+
+def test_faults_of_a_sender_keep_their_names(c: C) -> None:
+    desk, planner = Desk(c), Planner(c.layout)
+    planner.channel.kept.clear()
+    given = [("not_finite", "ego", "lit", 3), ("missing", "nobody", "nothing", None)]
+    planner.client.send(None, None, None, None, {}, given, came=False)
+    said = desk.decided(planner.channel.kept)
+    layout = c.layout
+    found = {
+        (layout.faults[said["reason_name"][i]], said["reason_signal"][i], said["reason_field"][i], said["reason_index"][i])
+        for i in range(said["reason_count"])
+    }  # fmt: skip
+    assert ("not_finite", layout.signals.index("ego"), layout.fields.index("lit"), 3) in found
+    assert ("missing", len(layout.signals), len(layout.fields), -1) in found
+    assert (said["safe"], said["number"], math.isnan(said["t"])) == (0, 0, True)
+
+
+# What can stand in a message --------------------------------------------------------------------------------------------
+
+
+Edge = tuple[str, str, int, Any, Any, dict[str, int]]
+
+
+def _edges(c: C) -> Iterator[Edge]:
+    """Kind, entry, place in it, a value that can be, one that cannot, and what stands beside it: so that nothing else is wrong."""
+    layout = c.layout
+    most, rules, states, unsafe = len(layout.faults), len(layout.rules), len(layout.states), {"safe": 0}
+    for name in ("came", "numbered", "stamped", "driving/present", "emergency/present", "signals.ego/present", "signals.objects/present",
+                 "signals.marks/present", "signals.track/present", "signals.track/closed", "signals.stop/present"):  # fmt: skip
+        yield "cycle", name, 0, 1, 2, {}
+    yield "line", "slot", 0, len(layout.lines) - 1, len(layout.lines), {}
+    yield "line", "line_version", 0, 1, 0, {}
+    yield "beat", "simulated", 0, 1, 2, {}
+    for kind, name, good, bad, beside in (
+        ("cycle", "found_count", 65, 66, {}), ("beat", "state", states - 1, states, {}), ("beat", "state", 0, -1, {}),
+        ("decision", "state", states - 1, states, {}), ("decision", "state", 0, -1, {}), ("decision", "simulated", 1, 2, {}),
+        ("decision", "driven", 2, 3, unsafe), ("decision", "driven", 0, -1, unsafe), ("decision", "driven", 0, 1, unsafe),
+        ("decision", "safe", 1, 0, {}), ("decision", "safe", 0, 2, {"driven": 0}), ("decision", "safe", 0, -1, {"driven": 0}),
+        ("decision", "safe", 0, 1, {"driven": 2}), ("decision", "stored", 1, 0, {}), ("decision", "stored", 1, 0, {"driven": 2, **unsafe}),
+        ("decision", "stored", 1, 2, {"driven": 0, **unsafe}), ("decision", "stored", 0, -1, {"driven": 0, **unsafe}),
+        ("decision", "about_sequence", 1, 0, {}), ("decision", "reason_count", 64, 65, {}), ("decision", "reason_count", 0, -1, {}),
+        ("decision", "lost", most - 1, most, {}), ("decision", "lost", 0, -1, {}), ("decision", "serial", 1, 0, {}),
+        ("decision", "driving/count", 2, 1, {}), ("decision", "driving/count", 8, 9, {}), ("decision", "fallback/count", 2, 1, {}),
+        ("decision", "fallback/count", 8, 9, {"driven": 2, **unsafe}),
+    ):  # fmt: skip
+        yield kind, name, 0, good, bad, beside
+    for kind, name, place, good, bad in (
+        ("cycle", "found_name", 64, most - 1, most), ("cycle", "found_name", 64, 1, 0), ("cycle", "found_index", 64, -1, -2),
+        ("decision", "reason_kind", 63, 2, 3), ("decision", "reason_candidate", 63, 1, 2), ("decision", "reason_name", 63, most - 1, most),
+        ("decision", "reason_rule", 63, rules - 1, rules), ("decision", "driving_verdict", rules - 1, 4, 5),
+        ("decision", "emergency_verdict", rules - 1, 4, 5),
+    ):  # fmt: skip
+        yield kind, name, place, good, bad, {}
+    for group in ("driving", "fallback"):
+        for place, due, bad_due in (
+            (7, 6.5, 6.0),
+            (7, 9e8, 1e9 + 6.0),
+            (7, 7.0, math.inf),
+            (0, -1.0, math.nan),
+            (0, -1.0, 1.0),
+        ):
+            yield "decision", f"{group}/due", place, due, bad_due, {}
+
+
+def test_c_and_python_draw_the_same_line(c: C) -> None:
+    """Of every entry that can be wrong, a value that is taken, and the next one, which is not."""
+    layout = c.layout
+    for name, entry, place, good, bad, beside in _edges(c):
+        kind = layout.kinds[name]
+        for value, sound in ((good, True), (bad, False)):
+            message = bytearray(kind.length)
+            if name == "cycle":
+                kind.put(message, "found_count", 65)
+                kind.put(message, "found_name", [1] * 65)
+            if name == "line":
+                kind.put(message, "line_version", 1)
+            if name == "decision":
+                kind.put(message, "reason_count", 64)
+                for group in ("driving", "fallback"):
+                    kind.put(message, f"{group}/count", 8)
+                    kind.put(message, f"{group}/due", [float(k) for k in range(8)])
+                for one in ("safe", "driven", "stored", "serial", "about_sequence"):
+                    kind.put(message, one, beside.get(one, 1))
+            if kind.entries[entry].array:
+                whole = list(kind.get(message, entry))
+                whole[place] = value
+                kind.put(message, entry, whole)
+            else:
+                kind.put(message, entry, value)
+            data = c.sealed(name, message, 1, 1, 0.0)
+            assert c.dll.tml_look(c.room(data), len(data), kind.up) == 0
+            assert (c.dll.tml_sound(c.room(data)) == 0) is sound, (name, entry, value, beside)
+            if not kind.up:
+                assert (layout.look(data, up=False)[0] == "none") is sound, (name, entry, value, beside)
+
+
+@pytest.mark.parametrize(
+    ("session", "sequence", "sent"), [(0, 1, 0.0), (1, 0, 0.0), (1, 1, math.nan), (1, 1, -math.inf)]
+)
+def test_a_sender_has_a_session_a_count_and_a_clock(session: int, sequence: int, sent: float, c: C) -> None:
+    for name in ("tick", "beat"):
+        data = c.sealed(name, bytearray(c.layout.kinds[name].length), session, sequence, sent)
+        assert c.dll.tml_look(c.room(data), len(data), name == "tick") == 0
+        assert c.layout.causes[c.dll.tml_sound(c.room(data))] == "content"
+        assert name == "tick" or c.layout.look(data, up=False)[0] == "content"
+
+
+# Mailboxes --------------------------------------------------------------------------------------------------------------
+
+
+class Memory(ctypes.Structure):
+    """A tml_region."""
+
+    _fields_ = [("memory", ctypes.c_void_p), ("size", ctypes.c_size_t)]
+
+
+def opened(c: C, path: Path, make: bool = False, writing: bool = False) -> tuple[Memory | None, str]:
+    """A file of cycles in memory; why not, where it is none."""
+    region, why = Memory(), ctypes.c_char_p()
+    found = c.dll.tml_region_open(
+        ctypes.byref(region), bytes(path), c.sizes["cycles"], make, writing, ctypes.byref(why)
+    )
+    return region if found else None, (why.value or b"").decode()
+
+
+OTHER = "is for another spec, other rules, capacities or limits, or is none of ours"
+
+
+def test_a_file_of_something_else_is_replaced_and_never_opened(c: C, tmp_path: Path) -> None:
+    """By its magic, version, layout or size, or where it is shorter or longer; whoever has the other one mapped keeps it."""
+    path = tmp_path / "one.cycles"
+    assert opened(c, path) == (None, "cannot be opened: no Supervisor has made it")
+    (tmp_path / "one.cycles.new").write_bytes(b"left behind by one that was killed")
+    made, _ = opened(c, path, make=True)
+    assert made is not None
+    whole = path.read_bytes()
+    assert (len(whole), sorted(os.listdir(tmp_path))) == (c.sizes["cycles"], ["one.cycles"])
+    for place in (0, 4, 8, 16):
+        spoilt = bytearray(whole)
+        spoilt[place] ^= 1
+        others = [bytes(spoilt)] if place else [bytes(spoilt), whole[:-1], whole + b"\0", b""]
+        for other in others:
+            path.write_bytes(other)
+            kept = os.open(path, os.O_RDONLY)
+            assert opened(c, path) == opened(c, path, writing=True) == (None, OTHER)
+            assert opened(c, path, make=True)[0] is not None
+            assert (path.read_bytes(), os.pread(kept, len(other) + 1, 0)) == (whole, other)
+            os.close(kept)
+    inode = path.stat().st_ino
+    for writing, rights in ((False, "r--s"), (True, "rw-s")):
+        region, _ = opened(c, path, make=True, writing=writing)
+        assert region is not None
+        assert path.stat().st_ino == inode  # one that fits stays
+        begin = f"{region.memory:x}-"
+        assert (
+            next(
+                line.split()[1]
+                for line in Path("/proc/self/maps").read_text().splitlines()
+                if line.startswith(begin)
+            )
+            == rights
+        )
+
+
+@pytest.fixture
+def boxed(c: C, tmp_path: Path) -> tuple[Memory, Region]:
+    """A file that C writes, as Python reads it."""
+    region, _ = opened(c, tmp_path / "one.cycles", make=True, writing=True)
+    assert region is not None
+    return region, Region(c.layout, "cycles", str(tmp_path / "one.cycles"), False)
+
+
+def test_a_message_is_whole_before_it_is_the_newest(c: C, boxed: tuple[Memory, Region]) -> None:
+    """Of each, in its slot: first an odd turn, then what it says, then its even turn, and the bell."""
+    region, reading = boxed
+    box, at = reading._boxes["tick"], c.box("cycles", "tick")
+    seen: list[tuple[int, int, bytes]] = []
+
+    def look() -> None:
+        following = reading.latest("tick") + 1
+        slot = box["first"] + following % box["slots"] * box["step"]
+        seen.append((following, reading._words[slot // 8], bytes(reading._bytes[slot + 64 : slot + 112])))
+
+    before = [bytes(48), bytes(48)]
+    for k in range(1, 6):
+        kept, message = c.hooked(look), bytes([k]) * 48
+        c.dll.tml_put(ctypes.byref(region), at, c.room(message))
+        c.hooked(None)
+        assert kept is not None
+        assert seen.pop() == (k, 2 * k - 1, before[k % 2])
+        assert (reading.latest("tick"), reading.heard) == (k, k)
+        assert reading.get("tick", k - 1) == (k, message)
+        before[k % 2] = message
+    assert seen == []
+
+
+def test_what_is_written_while_it_is_read_is_not_taken(
+    c: C, boxed: tuple[Memory, Region], tmp_path: Path
+) -> None:
+    region, reading = boxed
+    writing = Region(c.layout, "cycles", reading.path, True)
+    box, at = reading._boxes["tick"], c.box("cycles", "tick")
+    into, seen, cause = c.room(), ctypes.c_uint64(), ctypes.c_int()
+
+    def get() -> tuple[bool, int, str, bytes]:
+        found = c.dll.tml_get(ctypes.byref(region), at, ctypes.byref(seen), into, ctypes.byref(cause))
+        return found, seen.value, c.layout.causes[cause.value], into.raw[:1]
+
+    assert get()[:3] == (False, 0, "none")
+    writing.put("tick", bytearray(b"a" * 48))
+    assert get() == (True, 1, "none", b"a")
+    assert get()[:3] == (False, 1, "none")
+    for letter in b"bcd":
+        writing.put("tick", bytearray([letter] * 48))
+    assert get() == (True, 4, "none", b"d")  # the newest one
+
+    # While it is copied, two more come, of which the second one takes its slot: that one is the message.
+    writing.put("tick", bytearray(b"e" * 48))
+    more = [bytearray(b"f" * 48), bytearray(b"g" * 48)]
+
+    def write() -> None:
+        while more:
+            writing.put("tick", more.pop(0))
+
+    kept = c.hooked(write)
+    assert get() == (True, 7, "none", b"g")
+    c.hooked(None)
+    assert kept is not None
+
+    # One that says that it is the newest and is not whole: not taken, and not looked at again until another one comes.
+    slot = (box["first"] + 8 % box["slots"] * box["step"]) // 8
+    for turn in (15, 17, 14, 2 * 8 + 2 * box["slots"]):
+        seen.value = 7
+        writing._words[box["place"] // 8], writing._words[slot] = 8, turn
+        assert get()[:3] == (False, 8, "torn")
+        assert get()[:3] == (False, 8, "none")
+    writing.put("tick", bytearray(b"i" * 48))
+    assert get() == (True, 9, "none", b"i")
+    writing.close()
+    reading.close()
+
+
+# The client -------------------------------------------------------------------------------------------------------------
+
+
+def _structure(*fields: tuple[str, Any]) -> type[ctypes.Structure]:
+    return type("Made", (ctypes.Structure,), {"_fields_": list(fields)})
+
+
+P, N = ctypes.c_void_p, ctypes.c_size_t
+Points = _structure(("points", P), ("count", N), ("id", ctypes.c_uint64))
+Plan = _structure(("count", N), *((name, P) for name in PLAN))
+Ego = _structure(*((name, ctypes.c_double) for name in ("x", "y", "heading", "v")), ("lit", ctypes.c_byte))
+Objects = _structure(("count", N), ("id", P), ("x", P), ("v", P), ("shy", P))
+Marks = _structure(("count", N), ("x", P), ("v", P))
+Track = _structure(("left", Points), ("right", Points), ("closed", ctypes.c_bool))
+Stop = _structure(("line", Points))
+Fault = _structure(
+    ("name", ctypes.c_int), ("signal", ctypes.c_char_p), ("field", ctypes.c_char_p), ("index", N)
+)
+CCycle = _structure(
+    ("came", ctypes.c_bool), ("numbered", ctypes.c_bool), ("stamped", ctypes.c_bool), ("number", ctypes.c_int64), ("t", ctypes.c_double),
+    ("now", ctypes.c_double), ("driving", P), ("emergency", P), ("ego", P), ("objects", P), ("marks", P), ("track", P), ("stop", P),
+    ("yellow", ctypes.c_byte), ("found", P), ("found_count", N),
+)  # fmt: skip
+NOWHERE = 2 ** (8 * ctypes.sizeof(N)) - 1
+
+
+class CClient:
+    """A client in C, its Supervisor's files without a Supervisor, and what it sends, as Python reads it."""
+
+    def __init__(self, c: C, folder: Path) -> None:
+        self.c, self._alive = c, list[Any]()
+        name, why = folder / "one", ctypes.c_char_p()
+        for file, size in c.sizes.items():
+            region = Memory()
+            assert c.dll.tml_region_open(
+                ctypes.byref(region), bytes(folder / f"one.{file}"), size, True, True, ctypes.byref(why)
+            )
+        self._memory = ctypes.create_string_buffer(c.dll.probe_client() + 64)
+        self.at = (ctypes.addressof(self._memory) + 63) & ~63
+        self.decisions = Region(c.layout, "decisions", f"{name}.decisions", True)
+        self.cycles = Region(c.layout, "cycles", f"{name}.cycles", False)
+        self.seen = dict.fromkeys(("line_0", "line_1", "line_2", "cycle", "tick"), 0)
+
+    def connect(self) -> None:
+        why = ctypes.c_char_p()
+        path = self.cycles.path.removesuffix(".cycles").encode()
+        assert self.c.dll.tml_client_memory(self.at, path, 1, ctypes.byref(why)), why.value
+        self.c.dll.tml_client_time(self.at, 0.25)
+
+    def column(self, values: Any, kind: Any = ctypes.c_double) -> int | None:
+        """Where C has values; None for none."""
+        if values is None:
+            return None
+        self._alive.append((kind * max(1, len(values)))(*values))
+        return ctypes.addressof(self._alive[-1])
+
+    def part(self, kind: type[ctypes.Structure], *values: Any) -> int:
+        self._alive.append(kind(*values))
+        return ctypes.addressof(self._alive[-1])
+
+    def plan(self, count: int = 3, **changes: Any) -> int:
+        return self.part(Plan, count, *(self.column(column) for column in {**PLAN, **changes}.values()))
+
+    def points(self, points: Any, id_: int, count: int | None = None) -> Any:
+        flat = None if points is None else [one for row in points for one in row]
+        return Points(self.column(flat), len(points or ()) if count is None else count, id_)
+
+    def given(self, **changes: Any) -> dict[str, Any]:
+        return {
+            "came": True, "numbered": True, "stamped": True, "number": 5, "t": 0.5, "driving": self.plan(), "emergency": self.plan(),
+            "ego": self.part(Ego, 0.0, 1.0, 2.0, 10.0, 0), "marks": self.part(Marks, 1, self.column([1.0]), self.column([2.0])),
+            "objects": self.part(Objects, 2, self.column([7, 8], ctypes.c_uint64), self.column([50.0, 60.0]), self.column([1.0, 2.0]),
+                                 self.column([0, 1], ctypes.c_byte)),
+            "track": self.part(Track, self.points(LEFT, 1), self.points(RIGHT, 2), True), "stop": self.part(Stop, self.points(STOP, 3)),
+            "yellow": 0, **changes,
+        }  # fmt: skip
+
+    def send(self, **changes: Any) -> dict[str, Message]:
+        """What is sent of a cycle, by mailbox."""
+        cycle = CCycle(**self.given(**changes))
+        assert self.c.dll.tml_client_send(self.at, ctypes.byref(cycle)) > 0
+        return self.sent()
+
+    def sent(self) -> dict[str, Message]:
+        found = {}
+        for box, seen in self.seen.items():
+            self.seen[box], data = self.cycles.get(box, seen)
+            if data is not None:
+                cause, message = self.c.layout.look(data, up=True)
+                assert message is not None, cause
+                found[box] = message
+        return found
+
+    def hear(self) -> bool:
+        size = N()
+        found: bool = self.c.dll.tml_client_hear(self.at, self.c.room(), ctypes.byref(size))
+        return found
+
+    def refused(self, cause: str) -> int:
+        return int(self.c.dll.probe_refused(self.at, self.c.layout.causes.index(cause)))
+
+
+@pytest.fixture
+def planner(c: C, tmp_path: Path) -> Iterator[CClient]:
+    made = CClient(c, tmp_path)
+    made.connect()
+    yield made
+    c.dll.tml_client_close(made.at)
+    made.cycles.close()
+    made.decisions.close()
+
+
+def test_c_and_python_send_the_same(planner: CClient) -> None:
+    """Of what is there, and of what is not: absent columns, sets without ids, signals that are missing, lines without points, events."""
+    layout, x, y = planner.c.layout, planner.column, Planner(planner.c.layout)
+    objects = {"id": [7, 8], "x": [50.0, 60.0], "v": [1.0, 2.0], "shy": [False, True]}
+    track = {"left": Border(LEFT), "right": Border(RIGHT), "closed": True}
+    plain: dict[str, Any] = {
+        "ego": {"x": 0.0, "y": 1.0, "heading": 2.0, "v": 10.0, "lit": False}, "marks": {"x": [1.0], "v": [2.0]}, "objects": objects, "track": track,
+        "stop": Border(STOP), "yellow": False,
+    }  # fmt: skip
+    ids, a, b, shy = x([7, 8], ctypes.c_uint64), x([50.0, 60.0]), x([1.0, 2.0]), x([0, 1], ctypes.c_byte)
+    without, many = {**PLAN, "v": None}, [float(k) for k in range(1, 40)]
+    for changes, driving, signals in (
+        ({}, PLAN, {}),
+        ({"driving": None}, None, {}),
+        ({"driving": planner.plan(v=None)}, without, {}),
+        ({"objects": planner.part(Objects, 2, None, a, b, shy)}, PLAN, {"objects": {k: v for k, v in objects.items() if k != "id"}}),
+        ({"objects": planner.part(Objects, 2, ids, None, b, shy)}, PLAN, {"objects": {**objects, "x": None}}),
+        ({"objects": planner.part(Objects, 2, ids, a, b, None)}, PLAN, {"objects": {**objects, "shy": None}}),
+        ({"objects": None, "marks": None}, PLAN, {"objects": None, "marks": None}),
+        ({"yellow": 1}, PLAN, {"yellow": True}),
+        ({"yellow": -1}, PLAN, {"yellow": None}),
+        ({"track": planner.part(Track, planner.points(LEFT, 1), planner.points(None, 0), False)}, PLAN, {"track": {"left": track["left"]}}),
+        ({"stop": None}, PLAN, {"stop": None}),
+        ({"numbered": False, "stamped": False, "number": 0, "t": 0.0}, PLAN, {}),
+        ({"driving": planner.plan(x=None, v=None)}, {**PLAN, "x": None, "v": None}, {}),
+        ({"came": False}, PLAN, {}),
+        # Of more than there is room for, nothing is written behind it.
+        ({"driving": planner.plan(9, **dict.fromkeys(PLAN, many)), "emergency": None}, dict.fromkeys(PLAN, many[:9]), {}),
+        ({"objects": planner.part(Objects, 5, x(range(1, 40), ctypes.c_uint64), x(many), x(many), x([1] * 40, ctypes.c_byte)), "marks": None}, PLAN,
+         {"objects": {"id": range(1, 6), "x": many[:5], "v": many[:5], "shy": [True] * 5}, "marks": None}),
+    ):  # fmt: skip
+        y.channel.kept.clear()
+        numbered, came = changes.get("numbered", True), changes.get("came", True)
+        emergency = changes.get("emergency", PLAN)
+        y.client.send(
+            5 if numbered else None,
+            0.5 if numbered else None,
+            driving,
+            emergency,
+            {**plain, **signals},
+            came=came,
+        )
+        said = planner.send(**changes)
+        assert said["cycle"].data[48:] == y.channel.kept[-1][1][48:], changes
+        assert said["cycle"].head.kind == layout.kinds["cycle"].number
+        for box, data in y.channel.kept[:-1]:
+            assert said[box].data[48:] == data[48:]
+        assert (said["cycle"].head.sent, planner.c.dll.tml_sound(planner.c.room(said["cycle"].data))) == (
+            0.25,
+            0,
+        )
+
+
+def test_of_more_than_there_is_room_for_c_says_how_many(planner: CClient) -> None:
+    """The first ones go along, and nothing behind them is written; the Supervisor sees by the number that it has not all."""
+    x = planner.column
+    many = [float(k) for k in range(1, 40)]
+    said = planner.send(
+        driving=planner.plan(9, **dict.fromkeys(PLAN, many)),
+        objects=planner.part(Objects, 5, x(range(1, 40), ctypes.c_uint64), x(many), x(many), x([1] * 40, ctypes.c_byte)),
+        stop=planner.part(Stop, planner.points([[k, k] for k in many], 3, 7)),
+        found=planner.part(Fault * 70, *[(1, b"ego", b"lit", 3)] * 70), found_count=70,
+    )  # fmt: skip
+    message = said["cycle"]
+    assert (message["driving/count"], message["driving.t"].tolist(), message["driving.v"].tolist()) == (
+        9,
+        many[:8],
+        many[:8],
+    )
+    assert (message["signals.objects/count"], message["signals.objects/id"].tolist()) == (5, [1, 2, 3])
+    assert (message["signals.objects.x"].tolist(), message["signals.objects.shy"].tolist()) == (
+        many[:3],
+        [1, 1, 1],
+    )
+    assert (said["line_2"]["count"], said["line_2"]["points"].tolist()) == (
+        7,
+        [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0],
+    )
+    assert (message["found_count"], set(message["found_name"]), set(message["found_index"])) == (65, {1}, {3})
+
+
+def test_faults_that_c_has_found(planner: CClient) -> None:
+    layout = planner.c.layout
+    most, unknown = len(layout.faults), layout.faults.index("unknown")
+    given = [
+        (1, b"ego", b"lit", 0),
+        (0, b"nobody", None, NOWHERE),
+        (most - 1, None, b"nothing", 5),
+        (most, b"ego", b"", 1),
+    ]
+    said = planner.send(found=planner.part(Fault * 4, *given), found_count=4)["cycle"]
+    signals, fields = len(layout.signals), len(layout.fields)
+    ego, lit = layout.signals.index("ego"), layout.fields.index("lit")
+    found = [list(said[f"found_{name}"][:5]) for name in ("name", "signal", "field", "index")]
+    assert found == [
+        [1, unknown, most - 1, unknown, 0], [ego, signals, signals, ego, 0], [lit, fields, fields, 0, 0], [0, -1, 5, 1, 0]
+    ]  # fmt: skip
+    said = planner.send(found=None, found_count=3)[
+        "cycle"
+    ]  # as to tm_step, it is a fault that they are not there
+    found = [said[f"found_{name}"][0] for name in ("name", "signal", "field", "index")]
+    assert (said["found_count"], found) == (1, [layout.faults.index("missing"), signals, fields, -1])
+
+
+def test_a_line_is_sent_where_it_is_new_or_wanted(planner: CClient) -> None:
+    """New is one with another id, or as many points more or less, or without an id; without a cycle none is."""
+    c, sent = planner.c, planner.send
+    lines = ("line_0", "line_1", "line_2")
+
+    def boxes(*versions: int, **changes: Any) -> list[str]:
+        said = sent(**changes)
+        names = ("signals.track.left", "signals.track.right", "signals.stop.line")
+        assert tuple(said["cycle"][name] for name in names) == versions
+        for slot, box in enumerate(lines):
+            assert box not in said or (said[box]["slot"], said[box]["line_version"]) == (slot, versions[slot])
+        return [box for box in said if box in lines]
+
+    def stop(id_: int, points: Any = STOP) -> dict[str, Any]:
+        return {"stop": planner.part(Stop, planner.points(points, id_))}
+
+    assert boxes(0, 0, 0, came=False) == []
+    assert boxes(1, 1, 1) == [*lines]
+    assert boxes(1, 1, 1) == []
+    assert boxes(1, 1, 2, **stop(4)) == boxes(1, 1, 3, **stop(4, [*STOP, [81.0, 0.0]])) == ["line_2"]
+    assert boxes(1, 1, 4, **stop(0)) == boxes(1, 1, 5, **stop(0)) == ["line_2"]
+    assert boxes(1, 1, 0, **stop(0, None)) == []
+    assert boxes(1, 1, 6, **stop(3)) == ["line_2"]
+
+    session = sent()["cycle"].head.session
+    kind = c.layout.kinds["decision"]
+    for sequence, (about, wanted, heard) in enumerate(
+        ((session - 1, 0b111, 0), (session, 0b101, 1), (session, 0, 1), (session, 0b11, 0)), start=1
+    ):
+        message = bytearray(kind.length)
+        for name, value in {
+            "serial": int(sequence != 4),
+            "about_session": about,
+            "about_sequence": 1,
+            "wanted": wanted,
+        }.items():
+            kind.put(message, name, value)
+        planner.decisions.put("decision", bytearray(c.sealed("decision", message, 1, sequence, 0.0)))
+        assert planner.hear() is (sequence != 4)  # the last one cannot be, and says nothing
+        expected = {2: (2, 1, 7)}.get(sequence, (1, 1, 6) if sequence == 1 else (2, 1, 7))
+        assert boxes(*expected) == (["line_0", "line_2"] if sequence == 2 else []), heard
+    assert planner.refused("content") == 1
+
+
+def test_c_hears_nothing_of_before_and_each_message_once(planner: CClient) -> None:
+    """Decisions before signs of life; what is no whole message is counted."""
+    c, layout = planner.c, planner.c.layout
+    kinds = layout.kinds
+    c.dll.tml_client_close(planner.at)
+
+    def put(name: str, sequence: int, spoilt: bool = False) -> None:
+        message = bytearray(kinds[name].length)
+        if name == "decision":
+            for entry in ("serial", "about_session"):
+                kinds[name].put(message, entry, 1)
+        made = bytearray(c.sealed(name, message, 1, sequence, 0.0))
+        made[60] ^= spoilt
+        planner.decisions.put(name, made)
+
+    put("decision", 1)
+    put("beat", 1)
+    planner.connect()
+    assert not planner.hear()
+    put("beat", 2)
+    put("decision", 2)
+    assert [planner.hear() for _ in range(3)] == [True, True, False]
+    put("decision", 3, spoilt=True)
+    assert not planner.hear()
+    assert planner.refused("crc") == 1
+    box = planner.decisions._boxes["decision"]
+    planner.decisions._words[box["place"] // 8] += 1
+    assert not planner.hear()
+    assert planner.refused("torn") == 1
+    begin = time.monotonic()
+    assert not c.dll.tml_client_answer(planner.at, 1, 0.01, c.room())
+    assert 0.01 <= time.monotonic() - begin < 20.0
+    assert c.dll.tml_client_tick(planner.at)
+    assert list(planner.sent()) == ["tick"]
+
+
+# The client in Python ---------------------------------------------------------------------------------------------------
+
+
+class Emptied(list[Any]):
+    """A list that another thread empties once somebody has asked how long it is."""
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter([])
+
+
+@pytest.mark.parametrize(
+    ("signal", "field"),
+    [("objects", "v"), ("objects", "shy"), ("objects", "id"), ("driving", "t"), ("marks", "x")],
+)
+def test_a_column_that_another_thread_empties(signal: str, field: str, c: C) -> None:
+    """Zeros stood for what it had no more: objects at rest, at x = 0, that nobody has seen."""
+    one = Planner(c.layout)
+    objects = {"id": [7, 8], "x": [50.0, 60.0], "v": [1.0, 2.0], "shy": [True, False]}
+    signals: dict[str, Any] = {**one.signals(), "driving": PLAN, "objects": objects}
+    signals[signal] = {**signals[signal], field: Emptied(signals[signal][field])}
+    driving = signals.pop("driving")
+    with pytest.raises(LinkError, match="has another length than just before"):
+        one.client.send(0, 0.0, driving, PLAN, signals)
+    assert "cycle" not in [box for box, _ in one.channel.kept]
+
+
+def test_samples_of_a_series_have_no_ids(c: C) -> None:
+    """As to the Supervisor's own door, which says that nothing declares it."""
+    one = Planner(c.layout)
+    with pytest.raises(LinkError, match=r"the program reads no `signals\.marks\.id`"):
+        one.cycle(0, marks={"id": [1], "x": [1.0], "v": [2.0]})
+    assert one.channel.kept == []
