@@ -144,6 +144,8 @@ def timeline(run: list[Cycle]) -> tuple[list[Element], int]:
             found.append(Element(cycle.at, cycle.at, cycle.v, cycle.on))
         last, missed = cycle.at, 0
     at = len(found) - 1
+    if run[-1].plan[-1][0] < 0:  # it was over before: nothing is known of what is planned
+        return [Element(now, now, None, None)], 0
     return found + [Element(now + due, now + due, v, on) for due, v, on in run[-1].plan if due > 0], at
 
 
@@ -163,8 +165,7 @@ class Judge:
             case ("v<=", limit):
                 return UNKNOWN if element.v is None else (element.v <= limit,) * 2
             case ("on",):
-                assert element.on is not None
-                return (element.on,) * 2
+                return UNKNOWN if element.on is None else (element.on,) * 2
             case ("flag",):
                 return (self.flag,) * 2
             case ("not", p):

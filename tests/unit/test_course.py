@@ -92,6 +92,43 @@ def test_of_no_cycle_there_is_no_gap_and_no_past(backend: str) -> None:
     assert _verdicts(rig.step(20.0)) == {"driving": ["satisfied"], "emergency": ["satisfied"]}
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_each_sample_that_is_due_after_now_is_planned(backend: str) -> None:
+    """Of two within a nanosecond none is left out; what is due now but for rounding is the sample that is now."""
+    spec = loads(
+        SPEC + 'rule slow "x" along driven as c require always c.v <= 50 m/s\n'
+        'rule few "x" along driven as c at last require count(c.v > -1 m/s) == 3\n'
+    )
+    evaluator = Evaluator(spec, backend=backend)
+    plan = {**_plan(0.0, 0.0), "t": [1e-17, 1.0, 1.0 + 2e-10], "v": [0.0, 0.0, 99.0]}
+    signals = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0}, "plan": plan}
+    said = evaluator.over_run().step(evaluator.read({"t": 0.0, "signals": signals})).rules
+    assert (said["slow"].verdict, said["slow"].margin) == ("violated", -49.0)
+    assert said["few"].verdict == "satisfied"
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_of_a_plan_that_was_over_before_now_or_is_due_nobody_knows_when_nothing_is_known(
+    backend: str,
+) -> None:
+    """None of its samples is due: what it says would be asked of no rule. One that ends now is not over."""
+    spec = loads(
+        SPEC + 'rule slow "x" along driven as c require always c.v <= 50 m/s\n'
+        'rule timed "x" along driven as c require c.t == 0 s\n'
+        'rule other "x" along driven as c require once ego.v <= 50 m/s\n'
+    )
+    evaluator = Evaluator(spec, backend=backend)
+    found = []
+    for last in (-0.1, 1e300, -1e-17, 0.5):
+        plan = {**_plan(0.0, 0.0), "t": [-2.0, -1.0, last], "v": [99.0, 99.0, 0.0]}
+        signals = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0}, "plan": plan}
+        found.append(evaluator.over_run().step(evaluator.read({"t": 0.0, "signals": signals})))
+    for rule in ("slow", "timed"):
+        assert [one.rules[rule].verdict for one in found] == ["undefined"] * 2 + ["satisfied"] * 2
+    assert [one.rules["other"].verdict for one in found] == ["satisfied"] * 4
+    assert [one.safe for one in found] == [False, False, True, True]
+
+
 def _said(run: Any, evaluator: Evaluator, t: float, v: float) -> tuple[str, float]:
     signals = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": v}, "plan": _plan(v, 30.0)}
     result = run.step(evaluator.read({"t": t, "signals": signals})).rules["calm"]

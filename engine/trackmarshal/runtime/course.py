@@ -161,9 +161,11 @@ def _columns(info: CourseInfo, names: Names, lived: Lived, frame: Frame) -> Colu
         ]
         if not all(math.isfinite(t * 1e9) for t in values[0]):  # when they are due, nobody can count
             return _unknown(names)
+        if nanoseconds(values[0][-1]) < 0:  # it was over before now, and says nothing of what comes
+            return _unknown(names)
         for row in zip(*values, *truths):
             due = nanoseconds(row[0])
-            if due > spans[-1][1]:
+            if due > 0:  # two may be due in one nanosecond: none of them is left out
                 spans.append((due, due))
                 rows.append(row[: len(values)])
                 flags.append(row[len(values) :])
