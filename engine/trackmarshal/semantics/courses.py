@@ -130,7 +130,7 @@ def judged_at(clause: ast.Along, signal: SignalType, x: Expressions) -> JudgedAt
 def refuse_course(signal: SignalType, span: Span, what: str, x: Expressions) -> None:
     """Fail for what can be done with a timeline, and not with a course."""
     if signal.kind == COURSE:
-        hint = f"write `along {signal.name} as ...`: operators then range over it"
+        hint = f"write a rule `along {signal.name} as ...`: its operators range over it"
         _fail(x, span, f"{what} the course `{signal.name}`", hint)
 
 

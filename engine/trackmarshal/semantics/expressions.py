@@ -185,6 +185,8 @@ class Expressions:
             hint = "compare it with something" if isinstance(value, (typed.NumberNode, typed.Count)) else ""
             if isinstance(value, typed.MemberNode):
                 hint = enums.hint(value)
+            if isinstance(value, typed.SignalNode):
+                courses.refuse_course(value.signal, ast.span_of(expr), "no formula is made of", self)
             if isinstance(value, typed.SignalNode) and (value.signal.many or value.signal.sequence):
                 each = f"o in {ast.span_of(expr).text}"
                 hint = (
