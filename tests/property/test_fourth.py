@@ -15,13 +15,17 @@ from support.fourth.meaning import judged
 from support.fourth.remembering import machine, plain
 from support.fourth.running import agree, scales
 from support.fourth.writing import Writer
-from support.length import amount
+from support.length import AT_LENGTH, amount
+from trackmarshal.backends.c.build import compiler
 from trackmarshal.diagnostics.base import Diagnostics
+from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir.spec import Spec
 
 SEEDS = amount(40, 1000)
 DEPTH = 3
+#: Whether generated C is held against it, too.
+GENERATED = AT_LENGTH and compiler() is not None
 
 
 def compiled(writer: Writer, lines: str, declared: list[str]) -> Spec | None:
@@ -72,8 +76,12 @@ def test_runs(machines: int) -> None:
             continue
         cycles, meant = made_up(writer)
         places = dict[Any, Any]()
-        for backend in ("numpy", "reference"):
-            found = told(Evaluator(spec, backend=backend), cycles)
+        for backend in ("numpy", "reference", *["c"] * (GENERATED and seed % 10 == 0)):
+            try:
+                found = told(Evaluator(spec, backend=backend), cycles)
+            except TrackmarshalError as error:
+                assert (backend, error.code) == ("c", "E470"), (seed, error)
+                continue
             for name, (lines, clauses, require) in rules.items():
                 for number, position in enumerate(at for at, cycle in enumerate(cycles) if cycle is not None):
                     env = {"cycles": meant, "k": number, "scales": scales(writer, clauses, require)}

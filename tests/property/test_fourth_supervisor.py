@@ -1,4 +1,4 @@
-"""What is driven, by the fourth evaluator: rules that look back, at what was driven and at what is rated, decide alike by every Supervisor."""
+"""What is driven, by the fourth evaluator: rules that look back, or live along a course, decide alike by every Supervisor, at what was driven and at what is rated."""
 
 from __future__ import annotations
 
@@ -31,23 +31,34 @@ C = pytest.param(
 )
 
 
-def written(seed: int) -> tuple[Writer, str, dict[str, Rule], int]:
-    """Exact, so that no verdict is a matter of rounding."""
+def written(seed: int, axes: tuple[str, ...]) -> tuple[Writer, str, dict[str, Rule], dict[str, Any]]:
+    """Exact, so that no verdict is a matter of rounding; the last rule is advisory. What `Deciding` has to know besides."""
     writer = Writer(seed, "run", True)
     writer.ahead = False
     writer.asks.append(lambda scope: of_the_plan(writer, scope))
     machine(writer, 0, 2)
-    rules, lines = dict[str, Rule](), []
-    for number in range(3):
+    asks, rules, lines, along = list(writer.asks), dict[str, Rule](), [], dict[str, bool]()
+    for number, axis in enumerate(axes):
+        writer.axis = axis
+        writer.asks[:] = asks if axis == "run" else asks[:1]  # along a timeline there are no states
+        writer.ahead = axis == "course"
         text, clauses, require = writer.rule(f"f{number}", 2)
         advisory = number == 2
         rules[f"f{number}"] = clauses, require, advisory
+        if axis == "course":
+            along[f"f{number}"] = "at last" in text
         lines.append(text.replace("\n", "\n  severity advisory\n", 1) if advisory else text)
     forget = writer.dice.choice([0, 0.35])
     declared = [
         one + f" capacity 4 forget {forget!r} s" * one.startswith("signal objects") for one in writer.declared
     ]
-    return writer, "\n".join([*declared, TOLD, *lines]) + "\n", rules, round(forget * 1e9)
+    known: dict[str, Any] = {"forget": round(forget * 1e9)}
+    if along:
+        tenths = writer.dice.choice([1, 4, 100])
+        declared.append(f"course driven_so_far = ego for {tenths / 10!r} s then plan")
+        known |= {"along": along, "lasting": tenths * 10**8}
+        lines = [one.replace("along driven as", "along driven_so_far as") for one in lines]
+    return writer, "\n".join([*declared, TOLD, *lines]) + "\n", rules, known
 
 
 def cycles(writer: Writer) -> list[tuple[Cycle, dict[str, Any]]]:
@@ -72,11 +83,12 @@ def cycles(writer: Writer) -> list[tuple[Cycle, dict[str, Any]]]:
     return found
 
 
+@pytest.mark.parametrize("axes", [("run", "run", "run"), ("course", "run", "course")])
 @pytest.mark.parametrize("backend", ["numpy", "reference", C])
-def test_decisions(backend: str) -> None:
+def test_decisions(backend: str, axes: tuple[str, ...]) -> None:
     seen = Counter[str]()
     for seed in SEEDS if backend != "c" else SEEDS[::10]:
-        writer, text, rules, forget = written(seed)
+        writer, text, rules, known = written(seed, axes)
         try:
             spec = loads(text)
         except Diagnostics as error:
@@ -84,7 +96,7 @@ def test_decisions(backend: str) -> None:
             continue
         now = [0.0]
         supervisor = tm.supervisor(spec, backend=backend, clock=lambda now=now: now[0], limits=Limits(**OPEN))  # type: ignore[misc]
-        deciding = Deciding(writer, rules, forget)
+        deciding = Deciding(writer, rules, **known)
         for cycle, given in cycles(writer):
             now[0] = cycle.stamp
             decision = supervisor.step(tm.Cycle(**given))

@@ -165,6 +165,8 @@ def record(env: Env, name: str) -> dict[str, Any]:
         found = cycle[name]
     elif bound[0] == "":  # what a definition is given
         found = cycle[bound[1]]
+    elif bound[0] == "course":
+        found = env["course"][bound[1]].env
     else:
         found = cycle[bound[0]][bound[1]]
     return found  # type: ignore[no-any-return]
@@ -465,6 +467,12 @@ def timeline(env: Env, names: frozenset[str], ahead: bool = False) -> tuple[list
     """All samples, and the place of the present one. Over the run, as long as all elements in `names` are there."""
     if "along" in env:
         name = env["along"]
+        if "course" in env:
+            on = [
+                one._replace(env=one.env and {**env, name: ("course", j)})
+                for j, one in enumerate(env["course"])
+            ]
+            return on, env[name][1]
         samples = record({**env, name: None}, "plan")
         times = [round(one["t"] * 1e9) for one in samples.values()]
         return [Item(t, t, {**env, name: ("plan", j)}) for j, t in enumerate(times)], env[name][1]
@@ -492,6 +500,30 @@ def timeline(env: Env, names: frozenset[str], ahead: bool = False) -> tuple[list
         items.append(Item(stamp, stamp, {**env, "k": j}))
         last, missed = j, 0
     return items, here
+
+
+def course(
+    cycles: list[dict[str, Any]], k: int, lasting: int, fields: Iterable[str]
+) -> tuple[list[Item], int]:
+    """`driven = ego for lasting [ns] then plan` in the cycle k: what was driven, now, and what is planned, and the place of now."""
+    now, found = cycles[k]["stamp"], list[Item]()
+    for j, cycle in enumerate(cycles[: k + 1]):
+        stamp = cycle["stamp"]
+        if j and cycle["missed"] and stamp > now - lasting:
+            found.append(Item(cycles[j - 1]["stamp"], stamp, None, cycle["missed"]))
+        if stamp >= now - lasting:
+            was = {"t": (stamp - now) / 1e9, **{name: cycle["ego"][name] for name in fields}}
+            found.append(Item(stamp, stamp, was))
+    here = len(found) - 1
+    dues = [round(sample["t"] * 1e9) for sample in cycles[k]["plan"].values()]
+    if dues[-1] < 0:  # it was over before
+        nothing = {name: None if name in ("on", "tone") else math.nan for name in ("t", *fields)}
+        return [Item(now, now, nothing)], 0
+    for sample, due in zip(cycles[k]["plan"].values(), dues):
+        if due > 0:
+            will = {name: sample[name] for name in ("t", *fields)}
+            found.append(Item(now + due, now + due, will))
+    return found, here
 
 
 def overlaps(item: Item, low: float, high: float) -> bool:

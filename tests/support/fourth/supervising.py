@@ -16,6 +16,7 @@ from support.fourth.meaning import (
     Range,
     Value,
     comparison,
+    course,
     exists,
     for_all,
     judged,
@@ -23,7 +24,7 @@ from support.fourth.meaning import (
 )
 from support.fourth.meaning import field as column
 from support.fourth.running import scales
-from support.fourth.writing import SHADES, SPEED, M, Scope, Writer
+from support.fourth.writing import JOINED, SHADES, SPEED, M, Scope, Writer
 
 #: What a Supervisor tells rules of each cycle.
 TOLD = 'event emergency "e"\nevent driven "d"'
@@ -78,11 +79,16 @@ class Decided(NamedTuple):
 
 @dataclass
 class Deciding:
-    """All cycles that were accepted, with what was driven in them as their plan."""
+    """All cycles that were accepted, with what was driven in them as their plan.
+
+    along: of rules that live along the course, whether they are judged at its last sample. lasting: how far the course goes back, in ns.
+    """
 
     writer: Writer
     rules: dict[str, Rule]
     forget: int
+    along: dict[str, bool] = field(default_factory=dict)
+    lasting: int = 0
     past: list[dict[str, Any]] = field(default_factory=list)
     missed: int = 0
     stored: tuple[float, dict[int, Any]] | None = None
@@ -94,8 +100,8 @@ class Deciding:
             against = frozenset(
                 (name, candidate)
                 for candidate in ("driving", "emergency")
-                for name, (clauses, require, _) in self.rules.items()
-                if self._judged(cycle, candidate, clauses, require) in ("violated", "undefined")
+                for name in self.rules
+                if self._judged(cycle, candidate, name) in ("violated", "undefined")
             )
         binding = [name for name, _ in against if not self.rules[name][2]]
         if cycle.signals is not None and not binding:
@@ -111,13 +117,18 @@ class Deciding:
             return Decided("previous_emergency", against)
         return Decided("no_safe_trajectory" if self.ever else "no_emergency_yet", against)
 
-    def _judged(self, cycle: Cycle, candidate: str, clauses: list[Clause], require: Formula) -> str:
+    def _judged(self, cycle: Cycle, candidate: str, name: str) -> str:
+        clauses, require, _ = self.rules[name]
         now = self._seen(cycle, getattr(cycle, candidate), candidate == "emergency")
-        env = {
+        env: Env = {
             "cycles": [*self.past, now],
             "k": len(self.past),
             "scales": scales(self.writer, clauses, require),
         }
+        if name in self.along:
+            items, here = course(env["cycles"], env["k"], self.lasting, JOINED)
+            place = len(items) - 1 if self.along[name] else here
+            env |= {"course": items, "along": "p", "p": ("course", place)}
         return judged(clauses, require, {**env, "forget": self.forget, "places": {}}).verdict
 
     def _seen(self, cycle: Cycle, plan: dict[int, Any] | None, emergency: bool) -> dict[str, Any]:

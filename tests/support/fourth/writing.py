@@ -61,7 +61,10 @@ FIELDS: dict[str, dict[str, Dim]] = {
     "plan": {"t": S, "x": M, "y": M, "heading": ONE, "v": SPEED, "a": ACC},
     "ego": {"x": M, "y": M, "heading": ONE, "v": SPEED, "mass": KG},
     "objects": {"x": M, "v": SPEED, "w": M},
+    "course": {"t": S, "x": M, "y": M, "heading": ONE, "v": SPEED},
 }
+#: What `ego` and `plan` both have, and a course joins.
+JOINED = ("x", "y", "heading", "v", "on", "tone")
 _KINDS = {"plan": "trajectory", "ego": "state", "objects": "set of object"}
 _PLAIN = {d: units[0] for d, units in UNITS.items()}
 
@@ -81,13 +84,13 @@ class Scope:
 
 
 class Writer:
-    """`axis`: "case" (one cycle), "along" (its plan) or "run". `exact`: numbers of which no rounding is asked."""
+    """`axis`: "alone" (one cycle), "along" (its plan), "course" (what was driven, and its plan) or "run". `exact`: numbers of which no rounding is asked."""
 
     def __init__(self, seed: int, axis: str, exact: bool) -> None:
         self.dice = random.Random(seed)
         self.axis, self.exact = axis, exact
         #: A cycle of a run that lacks something is a gap to all others; so it lacks nothing here.
-        self.missing = 0.0 if axis == "run" else 0.04
+        self.missing = 0.0 if axis in ("run", "course") else 0.04
         #: Whether rules over the run look ahead.
         self.ahead = True
         self.declared: list[str] = []
@@ -129,8 +132,8 @@ class Writer:
         say = self.declared.append
         say("module m")
         say(f"enum shade {{ {', '.join(SHADES)} }}")
-        for signal, fields in FIELDS.items():
-            parts = []
+        for signal, kind in _KINDS.items():
+            fields, parts = FIELDS[signal], []
             for name, dim in fields.items():
                 unit = {"t": ("s", Fraction(1)), "heading": ("rad", Fraction(1))}.get(name) or self._unit(dim)
                 self.units[signal, name] = unit
@@ -145,7 +148,7 @@ class Writer:
                 parts[-2:] = ["on: bool", "tone: shade"]
             else:
                 self.defaults[signal, "on"], self.defaults[signal, "tone"] = True, "red"
-            say(f"signal {signal} : {_KINDS[signal]} {{ {', '.join(parts)} }}")
+            say(f"signal {signal} : {kind} {{ {', '.join(parts)} }}")
         if self.dice.random() < 0.5:
             for dim in self.dice.sample([M, SPEED, ACC, S, KG], 2):
                 self.scales[dim] = size = self.dice.choice([0.5, 1.0, 4.0])
@@ -257,7 +260,7 @@ class Writer:
         if dim == ONE:
             ways += ["rounded", "count"]
         way = self.dice.choice(ways)
-        still = replace(scope, time=scope.time and self.axis == "along")
+        still = replace(scope, time=scope.time and self.axis in ("along", "course"))
 
         def one(d: Dim = dim) -> Num:
             return self.number(d, scope, less)
@@ -402,7 +405,7 @@ class Writer:
         if way == "edge":
             return edge(dice.choice(["rising", "falling"]), one())
         if way == "tally":
-            inner = replace(scope, ahead=scope.ahead and self.axis == "along")
+            inner = replace(scope, ahead=scope.ahead and self.axis != "run")
             p, number, op = self.formula(inner, less), dice.randint(0, 4), dice.choice(COMPARISONS)
             how = dice.randint(0, 2)
             if how == 1:
@@ -450,6 +453,9 @@ class Writer:
         if self.axis == "along":
             lines.append("along plan as p" + (" at last" if self.dice.random() < 0.5 else ""))
             scope = replace(scope, records=(*scope.records, ("p", "plan")), time=True)
+        if self.axis == "course":
+            lines.append(f"along driven as p{self.dice.choice(['', ' at now', ' at last'])}")
+            scope = replace(scope, records=(*scope.records, ("p", "course")), time=True)
         for _ in range(self.dice.choice([0, 1, 1, 2])):
             word = self.dice.choice(
                 ["whenever", "for all", "for all", "exists", "for nearest", "exists nearest"]
