@@ -31,13 +31,17 @@ def named(folder: Path, stage: str, scenario: str, requirements: str = '["*", S-
     return small
 
 
-def cell(small: Small, stage: str, **changed: Any) -> tuple[str, list[str]]:
-    """The cell of S-1-B-1; `changed`: fields of the runs."""
+def matrix(small: Small, **changed: Any) -> trace.Matrix:
+    """`changed`: fields of the runs."""
     items, tests, results, runs = small.parts()
     runs = [replace(run, **changed) for run in runs]
     inputs = {run.scenario: {f"rule {item.name}": item.fingerprint for item in items} for run in runs}
-    matrix = trace.build(small.root, items, tests, results, runs, TODAY, run_inputs=inputs)
-    row = next(row for row in matrix.rows if row.requirement.id == "S-1-B-1")
+    return trace.build(small.root, items, tests, results, runs, TODAY, run_inputs=inputs)
+
+
+def cell(small: Small, stage: str, **changed: Any) -> tuple[str, list[str]]:
+    """The cell of S-1-B-1, as above."""
+    row = next(row for row in matrix(small, **changed).rows if row.requirement.id == "S-1-B-1")
     found = row.cells[stage]
     return found.status, [f"{item.name}: {item.detail}" for item in found.items]
 
@@ -75,6 +79,20 @@ def test_all_verdicts_together_lie_inside_the_ground_truth(tmp_path: Path) -> No
     status, said = cell(named(tmp_path, "S-4-A", CUT_IN), "S-4-A")
     assert status == "covered"
     assert "inside the ground truth (" in said[0]
+
+
+def test_what_is_unsafe_where_no_ground_truth_speaks_of_it_is_not_inside(tmp_path: Path) -> None:
+    """As by a breach of the input contract, or by a rule that nobody declared a truth of: of all kinds there are, all verdicts lie inside."""
+    small = named(tmp_path, "S-4-A", CUT_IN)
+    status, said = cell(small, "S-4-A", unexpected=(3.5,))
+    assert (status, said) == (
+        "failed",
+        [f"{CUT_IN}: unsafe at 3.5 s, of which no ground truth says what to expect"],
+    )
+    found = [one.message for one in matrix(small, unexpected=(3.5,)).findings if one.code == "T243"]
+    assert found == [
+        f"the run of `{CUT_IN}` is unsafe at 3.5 s, of which no ground truth says what to expect"
+    ]
 
 
 def test_without_a_ground_truth_nothing_is_shown(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T240": ("a recording is not there", "v-model.yaml declares a scenario whose recording does not exist."),
     "T241": ("a scenario was not run", "A scenario that was not run covers nothing."),
     "T242": ("a stale run", "The specs, or the recording, have changed since the scenario was run."),
-    "T243": ("outside the ground truth", "A verdict of the run contradicts the recording's ground truth: rated unsafe where it has to be safe, or safe where it has to be unsafe."),
+    "T243": ("outside the ground truth", "A verdict of the run contradicts the recording's ground truth: rated unsafe where it has to be safe, or safe where it has to be unsafe; or a cycle is unsafe by what no ground truth speaks of, such as a rule that has none or a breach of the input contract."),
     "T244": ("fired where nothing may fire", "In a no-fire run a cycle was rated unsafe."),
     "T245": ("did not fire", "The scenario was made so that certain rules are violated, and they were not."),
     "T246": ("no ground truth", "The run is to be compared with the ground truth of its recording, which carries none."),

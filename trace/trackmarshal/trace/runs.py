@@ -74,6 +74,8 @@ def as_a_whole(scenario: Scenario, spec: Spec, hashes: Hashes) -> Showing:
         return Showing("failed", wrong)
     match scenario.expect:
         case "ground_truth":
+            if run.unexpected:
+                return Showing("failed", _unexpected(run))
             if not run.ground_truth:
                 return Showing("missing", "the recording carries no ground truth")
             return Showing(
@@ -158,8 +160,7 @@ def _against_truth(
 ) -> Showing:
     truths = _judging(run, names)
     if run.unexpected:
-        said = f"unsafe at {run.unexpected[0]:g} s, of which no ground truth says what to expect"
-        return Showing("failed", said, evaluated, fired)
+        return Showing("failed", _unexpected(run), evaluated, fired)
     if not run.ground_truth:
         return Showing("missing", "the recording carries no ground truth")
     if not evaluated:
@@ -206,6 +207,11 @@ def _wrong(truths: Mapping[str, TruthFacts]) -> str:
     """What verdicts of a run contradict; empty where all lie within."""
     outside = ((kind, truth) for kind, truth in sorted(truths.items()) if not truth.inside)
     return "; ".join(_contradiction(kind, truth) for kind, truth in outside)
+
+
+def _unexpected(run: RunSummary) -> str:
+    """Of a run that was unsafe by what no ground truth speaks of."""
+    return f"unsafe at {run.unexpected[0]:g} s, of which no ground truth says what to expect"
 
 
 def _contradiction(kind: str, truth: TruthFacts) -> str:
@@ -303,6 +309,8 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                     f"the run of `{path}` is to lie within the ground truth, but the recording carries none"
                 )
                 yield error("T246", message, place, "label it, or expect something else of it", path)
+            elif run.unexpected:
+                yield _of_run("T243", f"the run of `{path}` is {_unexpected(run)}", scenario, run)
         elif scenario.expect == "no_fire":
             if run.fired:
                 yield _of_run("T244", f"in `{path}` nothing may fire, but it {_fired(run)}", scenario, run)
