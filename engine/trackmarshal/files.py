@@ -58,11 +58,18 @@ def read_regular(path: Path, most: int = -1) -> bytes:
 
 
 def write_whole(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all: beside it first, of which nothing is left behind. Raises OSError, with the file's own name."""
-    draft = path.with_name(f".{path.name}.{os.getpid()}")
+    """Write a file whole or not at all: beside it first, of which nothing is left behind. Raises OSError, with the file's own name.
+
+    Where a link stands, what it leads to is written, and the link stays. What is no file, such as `/dev/stdout`, is written to as it is.
+    """
+    if path.exists() and not path.is_file():
+        path.write_bytes(data)
+        return
+    target = Path(os.path.realpath(path))
+    draft = target.with_name(f".{target.name}.{os.getpid()}")
     try:
         draft.write_bytes(data)
-        draft.replace(path)
+        draft.replace(target)
     except BaseException as error:  # also where somebody interrupts
         with contextlib.suppress(OSError):
             draft.unlink(missing_ok=True)

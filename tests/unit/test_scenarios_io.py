@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import json
 import math
@@ -272,6 +273,25 @@ def test_what_cannot_be_read_again_is_not_written(tmp_path: Path) -> None:
         recording_io.write(recording, tmp_path / "x.tmrec.jsonl")
     assert caught.value.code == "D141"
     assert not (tmp_path / "x.tmrec.jsonl").exists()
+
+
+def test_a_disk_that_is_full_leaves_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cut off behind a line, a recording is a shorter one, and nobody sees that it is."""
+    path = tmp_path / "x.tmrec.jsonl"
+    recording_io.write(sample(), path)
+    before = path.read_bytes()
+    whole = Path.write_bytes
+
+    def full(self: Path, data: bytes) -> int:
+        whole(self, bytes(data[: data.rindex(b"\n", 0, -1) + 1]))
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "write_bytes", full)
+        with pytest.raises(TrackmarshalError, match="No space left on device") as caught:
+            recording_io.write(replace(sample(), name="another"), path)
+    assert (caught.value.code, caught.value.file) == ("D120", str(path))
+    assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [(path.name, before)]
 
 
 def test_a_folder_that_is_not_there(tmp_path: Path) -> None:

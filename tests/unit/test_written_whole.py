@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from pathlib import Path
 from typing import Any
 
@@ -46,3 +47,25 @@ def test_nothing_is_left_of_what_was_not_written(
 def test_it_is_written(tmp_path: Path) -> None:
     write_whole(tmp_path / "said.json", b"after")
     assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("said.json", b"after")]
+
+
+def test_a_link_stays_one(tmp_path: Path) -> None:
+    """As where data lies on another disk: what it leads to is written."""
+    (tmp_path / "disk").mkdir()
+    link = tmp_path / "said.json"
+    link.symlink_to(tmp_path / "disk" / "said.json")
+    for data in (b"before", b"after"):
+        write_whole(link, data)
+        assert link.is_symlink()
+        assert [(each.name, each.read_bytes()) for each in (tmp_path / "disk").iterdir()] == [
+            ("said.json", data)
+        ]
+
+
+def test_what_is_no_file_is_not_put_aside(tmp_path: Path) -> None:
+    """As `--out /dev/stdout`: a file stood in its place."""
+    link = tmp_path / "nowhere"
+    link.symlink_to(os.devnull)
+    write_whole(link, b"after")
+    assert link.is_symlink()
+    assert link.is_char_device()

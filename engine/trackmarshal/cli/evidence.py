@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
 from trackmarshal import __version__
-from trackmarshal.files import digest
+from trackmarshal.files import digest, write_whole
 from trackmarshal.records import (
     Record,
     Ref,
@@ -290,7 +290,7 @@ def write_run(folder: Path, outcome: Replay, evaluator: Evaluator, lines: Sequen
     """The lines of one run, and its summary, in a folder that the user names."""
     folder.mkdir(parents=True, exist_ok=True)
     source = Path(outcome.recording.source)
-    (folder / f"{outcome.recording.name}.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_whole(folder / f"{outcome.recording.name}.jsonl", ("\n".join(lines) + "\n").encode("utf-8"))
     summary = run_summary(outcome, evaluator, outcome.recording.source, file_hash(source))
     keep(folder / f"{outcome.recording.name}.run.json", "runs", [summary])
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import other_there
+from trackmarshal.files import other_there, write_whole
 from trackmarshal.json_text import BadJson, parse
 from trackmarshal.scenarios import content, structure
 from trackmarshal.scenarios.codes import Faults
@@ -33,7 +33,8 @@ VERSION = 1
 def write(recording: Recording, path: str | Path) -> None:
     """Write a recording; packed where the path ends in .gz. Raises D120 where that fails or something else is there, D141 for what it cannot say.
 
-    What is written is decoded once before it reaches the disk: a file that cannot be read again is never made.
+    What is written is decoded once before it reaches the disk: a file that cannot be read again is never made. It is written whole or not at all:
+    a part of one that ends with a line would be a shorter recording, and what stood there before would be gone.
     """
     path = Path(path)
     data = "".join(line + "\n" for line in encode(recording)).encode()
@@ -47,10 +48,11 @@ def write(recording: Recording, path: str | Path) -> None:
             raise TrackmarshalError(
                 "D120", "is there already, and is no recording", file=str(path), help="nothing was written; another name, such as one that ends in .tmrec.jsonl"
             )  # fmt: skip
-        path.write_bytes(data)
+        write_whole(path, data)
     except OSError as error:
         message = f"cannot be written: {error.strerror}"
-        raise TrackmarshalError("D120", message, file=str(path), help="check the path") from error
+        help_ = "check the path, its permissions and the space left"
+        raise TrackmarshalError("D120", message, file=str(path), help=help_) from error
 
 
 def moved(recording: Recording, declared: Path, path: Path) -> Recording:
