@@ -51,7 +51,7 @@ def replay_record(
             f"note: {path}: another spec was in force than the one given here; its decisions may differ",
             file=sys.stderr,
         )
-    if run.damage and not quiet:
+    if run.damage and not quiet and format_ != "text":
         say(f"note: {path}: {run.damage}", file=sys.stderr)
     first = 0 if begin is None else _place(begin, run, path)
     snapshot, refused = (None, None) if begin is None else nearest(run, box, first)
@@ -131,12 +131,19 @@ def _summary(
             if began
             else "started at the beginning: there is no snapshot before that can be used"
         )
+    if run.damage:
+        lines.append(run.damage)
     if run.missed:
         lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
     if not decisions:
         return [*lines, "no decision is in it: none is shown to be the same"]
-    if not found:
+    if not found and not run.missed and not run.damage:
         return [*lines, "same decisions, bit for bit"]
+    if not found:
+        return [
+            *lines,
+            "what is left of it was decided the same, bit for bit: not all of the run is shown to be",
+        ]
     places = {difference.place for difference in found}
     lines.append(f"{len(places)} cycles were decided otherwise:")
     for difference in found[:SHOWN]:
