@@ -117,6 +117,7 @@ def load(path: Path, shown: str) -> Declaration:
         raise fields["duration"].wrong(
             f"{count} cycles", f"at most {MAX_CYCLES}; shorten it or widen the step"
         )
+    times = [round(i * step, 9) for i in range(count)]
     plan = fields["plan"].fields(("points", "horizon"))
     ego = _driver(fields["ego"], vehicle, path.parent)
     others = [_driver(other, vehicle, path.parent) for other in _list(fields, "others")]
@@ -124,6 +125,11 @@ def load(path: Path, shown: str) -> Declaration:
     for other in others:
         if ids.count(other.id) > 1:
             raise other.item.wrong(f"the id `{other.id}` stands twice", "ids are unique")
+        for begin, end in other.silent:
+            if not any(begin < t < end for t in times):
+                message = f"no cycle lies between {begin:g} and {end:g} s, so it is heard of in all"
+                help_ = f"cycles are {step:g} s apart, from 0 to {times[-1]:g} s"
+                raise other.item.wrong(message, help_)
     limits = fields["limits"].fields((), ("speed", "zones")) if "limits" in fields else {}
     widenings = tuple(_widening(item) for item in _list(fields, "widenings"))
     params = fields["params"].any_fields() if "params" in fields else {}
@@ -134,14 +140,14 @@ def load(path: Path, shown: str) -> Declaration:
     return Declaration(
         name=fields["name"].text(),
         road=road.load(path.parent / track, str(Path(shown).parent / track), widenings),
-        times=[round(i * step, 9) for i in range(count)],
+        times=times,
         ego=ego,
         others=others,
         points=plan["points"].count(2, 1000),
         horizon=plan["horizon"].number(0.1, 60.0),
         braking=_braking(fields["emergency"], vehicle),
         takeup=_takeup(fields["takeup"]) if "takeup" in fields else None,
-        mistakes=[_mistake(item, vehicle) for item in _list(fields, "mistakes")],
+        mistakes=_mistakes([_mistake(item, vehicle) for item in _list(fields, "mistakes")], times, step),
         pose_error=fields["pose_error"].rows() if "pose_error" in fields else [[0.0, 0.0]],
         obstacles=obstacles,
         zones=[_zone(item) for item in _list(limits, "zones")],
@@ -248,6 +254,23 @@ def _mistake(item: Item, vehicle: Vehicle) -> Mistake:
         fields["deceleration"].number(0.5, vehicle.brake) if "deceleration" in fields else None,
         item,
     )
+
+
+def _mistakes(mistakes: list[Mistake], times: list[float], step: float) -> list[Mistake]:
+    """Those that are made: one that no cycle makes changes nothing, and of two in one cycle, one would not be made."""
+    made: set[float] = set()
+    for one in mistakes:
+        cycles = {t for t in times if one.is_made(t, step)}
+        if not cycles:
+            message = f"no cycle lies from {one.begin:g} to {one.end:g} s, so nothing is planned otherwise"
+            raise one.item.wrong(message, f"cycles are {step:g} s apart, from 0 to {times[-1]:g} s")
+        if made & cycles:
+            message = f"in the cycle at {min(made & cycles):g} s, there is another mistake already"
+            raise one.item.wrong(
+                message, "one mistake may have acceleration, moves and deceleration together"
+            )
+        made |= cycles
+    return mistakes
 
 
 def _silence(item: Item) -> tuple[float, float]:

@@ -30,6 +30,11 @@ class Mistake(NamedTuple):
     deceleration: float | None
     item: Item
 
+    def is_made(self, t: float, step: float) -> bool:
+        """In the cycle at t; cycles are `step` apart, s."""
+        slack = 1e-6 * step
+        return self.begin - slack <= t <= self.end + slack
+
 
 class Planner:
     """Driving and emergency trajectories along a motion, with mistakes; `step` is how far apart the cycles are, s."""
@@ -41,13 +46,12 @@ class Planner:
         self._horizon = horizon
         self._braking = braking
         self._mistakes = mistakes
-        self._slack = 1e-6 * step
+        self._step = step
         self._kappa = path_curvature(motion)
 
     def mistake(self, t: float) -> Mistake | None:
         """The mistake that the planner makes in the cycle at t."""
-        slack = self._slack
-        return next((m for m in self._mistakes if m.begin - slack <= t <= m.end + slack), None)
+        return next((m for m in self._mistakes if m.is_made(t, self._step)), None)
 
     def plans(self, t: float, points: int, emergency_points: int) -> dict[str, Plan]:
         """Both candidates of the cycle at t; raises D152 for what cannot be laid out at all."""
