@@ -317,16 +317,18 @@ def test_mcap(tmp_path: Path) -> None:
         declared = declared.replace(f"column: {name},", f"column: {way},")
     where, _ = field_logs.write(tmp_path, CLEAN, declared)
 
-    def written(silent: float, encoding: str = "json") -> Path:
+    def written(silent: float, encoding: str = "json", until: float = 1.0, again: int = 0) -> Path:
         path = tmp_path / "log.mcap"
         with path.open("wb") as file:
             writer = writing.Writer(file)
             writer.start()
             channels = {topic: writer.register_channel(topic, encoding, 0) for topic in ("/odom", "/wheel")}
+            channels["/wheel again"] = writer.register_channel("/wheel", encoding, 0)
             for i, (t, x, y, h, v, yaw) in enumerate(zip(*CLEAN.values())):
                 at = round(t * 1e9)
-                if i % 2 == 0 and not silent < t < silent + 1.0:
-                    writer.add_message(channels["/wheel"], at, json.dumps({"v": v}).encode(), at)
+                if i % 2 == 0 and not silent < t < silent + until:
+                    wheel = channels["/wheel" if not again or i % again < again // 2 else "/wheel again"]
+                    writer.add_message(wheel, at, json.dumps({"v": v}).encode(), at)
                 writer.add_message(
                     channels["/odom"], at, json.dumps({"pose": [x, y, h], "yaw": yaw}).encode(), at
                 )
@@ -341,6 +343,12 @@ def test_mcap(tmp_path: Path) -> None:
     assert late.origin == pytest.approx(0.6)
     assert len(late.t) == len(CLEAN["time"]) - 6
     assert late.left_out == "its first 0.600 s, 6 messages of `/odom`, are left out: nothing of `/wheel` yet"
+    over = log.read(mapping.read(where), written(20.0, until=100.0))  # the wheel's last message is of 20 s
+    assert over.t[-1] == pytest.approx(20.1)
+    assert (
+        over.left_out
+        == "its last 9.800 s, 98 messages of `/odom`, are left out: nothing of `/wheel` any more"
+    )
     for silent, encoding, code, said in (
         (10.0, "json", "D171", "nothing of `/wheel`"),
         (100.0, "cdr", "D174", "`cdr`"),
@@ -349,6 +357,10 @@ def test_mcap(tmp_path: Path) -> None:
             log.read(mapping.read(where), written(silent, encoding))
         assert error.value.code == code
         assert said in error.value.message
+    # Who was started again has another channel, and goes on; two by turns are two.
+    assert len(log.read(mapping.read(where), written(100.0, again=400)).t) == len(CLEAN["time"])
+    with pytest.raises(TrackmarshalError, match=r"D174.*two sources write `/wheel` by turns"):
+        log.read(mapping.read(where), written(100.0, again=4))
     for place in ("²", "9" * 5000):
         other = tmp_path / "other"
         other.mkdir(exist_ok=True)

@@ -171,7 +171,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D174": (
         "a log of a kind that is not read",
-        "Logs are delimited text with one row a sample (also packed with gzip), or MCAP files with JSON messages. Other encodings are converted first.",
+        "Logs are delimited text with one row a sample (also packed with gzip), or MCAP files with JSON messages. Other encodings are converted first. "
+        "A topic that two channels write by turns is of two sources, and nothing says which of them is meant.",
     ),
     "D175": (
         "another file than the mapping names",

@@ -24,10 +24,10 @@ LOG_TIME = "log_time"
 def read(
     data: bytes, shown: str, columns: AnyMapping[str, Column], hold: float
 ) -> tuple[dict[str, Floats], NDArray[np.int64], str]:
-    """(rows,) of each column, which message of its topic each row is, from 1, and what of the beginning is no row; empty: nothing.
+    """(rows,) of each column, which message of its topic each row is, from 1, and what of the beginning and the end is no row; empty: nothing.
 
     A column is `/topic.field.field`; a row is a message of the topic of `t`, and columns of other topics are what they said last, at most `hold`
-    seconds of the log's own time before. Raises E484 without the package `mcap`, D170, D171 and D174.
+    seconds of the log's own time before. A topic that two sources write by turns is of neither. Raises E484 without the package `mcap`, D170, D171 and D174.
     """
     try:
         from mcap.exceptions import McapError
@@ -46,7 +46,10 @@ def read(
     number = 0
     early: list[int] = []  #: ns: messages of `base` before all other topics had come
     late: set[str] = set()
-    began = 0  #: ns: the first row
+    began = last = 0  #: ns: the first row, and the last one
+    over: list[int] = []  #: ns: messages of `base` since another topic fell silent
+    ended: tuple[str, int] = "", 0  #: that topic, and the first of these messages
+    channels: dict[str, list[int]] = {}  #: by topic the channels that wrote it, the last one behind
     try:
         reader = make_reader(io.BytesIO(data), validate_crcs=True)
         summary = reader.get_summary()
@@ -63,6 +66,16 @@ def read(
                     file=shown,
                     help="only JSON is read: convert the log, or export it as CSV",
                 )
+            wrote = channels.setdefault(channel.topic, [])
+            if channel.id in wrote[:-1]:
+                raise TrackmarshalError(
+                    "D174",
+                    f"message {number}: two sources write `{channel.topic}` by turns, and nothing says which is meant",
+                    file=shown,
+                    help="leave one of them out of the log, or give it a topic of its own",
+                )
+            if channel.id not in wrote:
+                wrote.append(channel.id)
             latest[channel.topic] = message.log_time, _parsed(message.data, channel.topic, number, shown)
             if channel.topic != base:
                 continue
@@ -71,17 +84,22 @@ def read(
             )
             if silent:
                 if rows:
-                    raise _wrong(
-                        f"nothing of `{silent[0]}` for more than {hold:g} s",
-                        shown,
-                        number,
-                        "`hold` says how long it may be silent",
-                    )
-                early.append(message.log_time)
-                late.update(silent)
+                    ended = ended if over else (silent[0], number)
+                    over.append(message.log_time)
+                else:
+                    early.append(message.log_time)
+                    late.update(silent)
                 continue
+            if over:  # it was not the end
+                raise _wrong(
+                    f"nothing of `{ended[0]}` for more than {hold:g} s",
+                    shown,
+                    ended[1],
+                    "`hold` says how long it may be silent",
+                )
             if not rows:
                 began = message.log_time
+            last = message.log_time
             rows.append([_value(latest[topic], way, topic, shown, number) for topic, way in ways.values()])
             counts.append(number)
     except TrackmarshalError:
@@ -116,14 +134,20 @@ def read(
             help="are the topics there at one time?",
         )
     table = np.array(rows, dtype=np.float64)
-    left_out = ""
+    left_out = []
     if early:
         waited = ", ".join(f"`{topic}`" for topic in sorted(late))
-        left_out = f"its first {(began - early[0]) / 1e9:.3f} s, {len(early)} messages of `{base}`, are left out: nothing of {waited} yet"
+        left_out.append(
+            f"its first {(began - early[0]) / 1e9:.3f} s, {len(early)} messages of `{base}`, are left out: nothing of {waited} yet"
+        )
+    if over:
+        left_out.append(
+            f"its last {(over[-1] - last) / 1e9:.3f} s, {len(over)} messages of `{base}`, are left out: nothing of `{ended[0]}` any more"
+        )
     return (
         {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)},
         np.array(counts),
-        left_out,
+        "; ".join(left_out),
     )
 
 
