@@ -165,6 +165,17 @@ def test_a_car_that_stands_stays_and_a_log_that_ends_has_no_braking() -> None:
     assert candidates.emergency(fast, np.array([28.0, 29.5]), 0.1, Braking(9.0, 99.0, 0.0))[1] is None
 
 
+def test_what_does_not_come_to_rest_in_the_middle_of_a_log_is_no_end_of_it() -> None:
+    """Round a circle with more than the grip that may be taken, and off it: the cycles behind were left out as if the log ended there."""
+    t = np.arange(0.0, 120.0, 0.04)
+    round_, straight = (motion_of(t, np.full_like(t, 20.0), kappa) for kappa in (0.02, 0.0))
+    motion = replace(round_, kappa=np.where(t < 90.0, round_.kappa, straight.kappa))
+    with pytest.raises(candidates.NoRest) as caught:
+        candidates.emergency(motion, np.array([5.0, 10.0, 100.0]), 0.1, Braking(2.0, 99.0, 0.0))
+    assert caught.value.t == 5.0
+    assert candidates.emergency(motion, np.array([100.0]), 0.1, Braking(2.0, 99.0, 0.0))[0] is not None
+
+
 def turned_in_three() -> Motion:
     """Straight ahead at 4 m/s until 12 s, back around a bend of 12.5 m at 2 m/s until 20 s, and ahead again in another direction."""
     v = np.clip(4.0 * (12.0 - T), 0.0, 4.0) - np.clip(4.0 * np.minimum(T - 12.0, 20.0 - T), 0.0, 2.0)

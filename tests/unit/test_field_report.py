@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support import field_logs
@@ -124,6 +125,19 @@ def test_what_breaks_the_contract_in_many_cycles_is_one_firing(extract: tuple[Dr
         (t[7], t[7], 1),
     ]
     assert [one.because for one in broken] == [missing, fast.format(4, 85), fast.format(1, 85)]
+
+
+def test_a_way_back_is_driven_too(tmp_path: Path) -> None:
+    """20 s ahead and 20 s back to where it began: rates were by the 0 km between the two ends."""
+    t = np.arange(400) / 10.0
+    v, y = 8.0 * np.sin(np.pi * t / 20.0), 160.0 / np.pi * (1.0 - np.cos(np.pi * t / 20.0))
+    columns = {"time": t, "x": 0.0 * t, "y": y, "heading": 0.0 * t + np.pi / 2, "v": v, "yaw": 0.0 * t}
+    where, file = field_logs.write(tmp_path, columns)
+    drive, found = judged(where, file, ["no_reversing"])
+    made = report(drive, found)
+    assert made.km == pytest.approx(0.2037, abs=0.01)
+    (rate,) = made.rates
+    assert rate.per_km == pytest.approx(rate.firings / made.km)
 
 
 def test_a_gap_of_the_map_is_shown_and_declared(tmp_path: Path) -> None:

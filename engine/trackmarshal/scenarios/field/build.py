@@ -73,7 +73,15 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     times = log.t[rows]
     driven = candidates.driving(motion, times, mapping.horizon, mapping.step)
     braking = _braking(mapping)
-    braked = candidates.emergency(motion, times, mapping.step, braking)
+    try:
+        braked = candidates.emergency(motion, times, mapping.step, braking)
+    except candidates.NoRest as error:
+        raise TrackmarshalError(
+            "D151",
+            f"with {100 * mapping.share:g} % of the friction limit, a car that brakes at {error.t:g} s still moves {candidates.LONGEST:g} s later",
+            file=mapping.source,
+            help="give it a larger `share` under `emergency`: where a bend takes all of it, only drag slows the car down",
+        ) from None
     cycles = []
     for row, driving, emergency in zip(rows, driven, braked):
         if emergency is None:
@@ -212,10 +220,14 @@ def _notes(mapping: Mapping, log: Log, noise: Noise, motion: Motion, name: str, 
     """What was done to the log, for whoever reads the recording."""
     noisy = ", ".join(f"{key} {value:.3g}" for key, value in noise.named().items())
     fits = ", ".join(f"{key} {value:.3g}" for key, value in motion.innovations.items())
+    has = 1.0 / float(np.median(np.diff(log.t)))
+    rate = (
+        f"{mapping.rate:g} Hz" if has > 0.9 * mapping.rate else f"{has:.3g} Hz, which is all that the log has"
+    )
     return [
         f"log {Path(log.path).name}, sha256 {log.sha256}, its time 0 at {log.origin:.6f} s",
         *([f"of the log, {log.left_out}"] if log.left_out else []),
-        f"{count} cycles at {mapping.rate:g} Hz; the driving trajectory is what was driven in the next {mapping.horizon:g} s, "
+        f"{count} cycles at {rate}; the driving trajectory is what was driven in the next {mapping.horizon:g} s, "
         f"a sample every {mapping.step:g} s",
         f"the emergency trajectory brakes to rest on the same path with {100 * mapping.share:g} % of the friction limit of {Path(mapping.vehicle).stem}",
         f"smoother: {name or 'none'}" + (f"; noise: {noisy}; mean squared innovations: {fits}" if name else ""),

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 #: Step in which the braking is integrated, s.
 _FINE = 0.01
 #: s: braking that takes longer than this is none.
-_LONGEST = 60.0
+LONGEST = 60.0
 #: m: a way back that is shorter is noise, or rolling back; a longer one is driven backwards.
 _BACK = 0.5
 
@@ -28,6 +28,14 @@ class Braking:
     grip: float
     brake: float
     drag: float
+
+
+class NoRest(Exception):
+    """What brakes from this time on, s, still moves after `LONGEST`, and the log goes on: no end of the log says that there is no braking."""
+
+    def __init__(self, t: float) -> None:
+        super().__init__(t)
+        self.t = t
 
 
 def driving(motion: Motion, times: Floats, horizon: float, step: float) -> list[Columns]:
@@ -52,13 +60,14 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
     """From each time on: braking on the path that was driven, with all the grip that the bend leaves, to rest, where the last sample is.
 
     Never faster than was driven at the same place, so that it also stops where the car did. Tyres brake with
-    sqrt(grip^2 - (v^2 kappa)^2), at most with `brake`, and drag brings v^2 * drag on top. None where the log ends before it stands.
+    sqrt(grip^2 - (v^2 kappa)^2), at most with `brake`, and drag brings v^2 * drag on top. None where the log ends before it stands; raises `NoRest`
+    where it does not stand although the log goes on, as in a bend that takes all the grip.
 
     Where the car turns back, one path ends and the next one begins: what was driven backwards is braked backwards, and what is driven after it is
     not on what was driven before.
     """
     found: list[Columns | None] = [None] * len(times)
-    for begin, end, sign in _stretches(motion.s):
+    for begin, end, sign in stretches(motion.s):
         first, last = motion.t[begin], motion.t[end]
         turns = end < len(motion.t) - 1
         which = np.flatnonzero((times >= first) & ((times < last) | (not turns)))
@@ -72,7 +81,7 @@ def emergency(motion: Motion, times: Floats, step: float, braking: Braking) -> l
     return found
 
 
-def _stretches(s: Floats) -> list[tuple[int, int, int]]:
+def stretches(s: Floats) -> list[tuple[int, int, int]]:
     """First and last sample, and 1 or -1 for ahead or back: where the way leads one way, but for less than `_BACK`."""
     found, begin, furthest, sign = [], 0, 0, 1
     for i, value in enumerate(s.tolist()):
@@ -110,7 +119,7 @@ def _one_way(
     end_t, end_s = np.where(v > REST_SPEED, np.nan, 0.0), s.copy()
     final_a = np.zeros(count)
     now = 0.0
-    while np.isnan(end_t).any() and now < _LONGEST:
+    while np.isnan(end_t).any() and now < LONGEST:
         for _ in range(every):
             kappa = np.interp(s, way, path["kappa"])
             across = v * v * kappa
@@ -140,6 +149,9 @@ def _one_way(
         kept_a.append(np.where(np.isnan(end_t), -last, final_a))
     if not kept_a:
         kept_a.append(np.zeros(count))
+    moves = np.flatnonzero(np.isnan(end_t) & (s <= motion.s[-1]))
+    if len(moves):
+        raise NoRest(float(times[moves[0]]))
     if turns:
         end_s = np.minimum(end_s, motion.s[-1])
     all_s, all_v, all_a = np.array(kept_s), np.array(kept_v), np.array(kept_a)

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.scenarios.field.build import Drive, standing_time
+from trackmarshal.scenarios.field.candidates import stretches
 from trackmarshal.scenarios.field.causes import CAUSES, Firing, firings
 from trackmarshal.scenarios.field.judged import Judgement
 from trackmarshal.scenarios.field.limits import Limit
+from trackmarshal.scenarios.field.smoother import Motion
 from trackmarshal.scenarios.recording import CANDIDATES
 from trackmarshal.units import from_si, written
 
@@ -74,15 +76,21 @@ def report(
     """`logged`: the same log without smoother, for what noise makes of the rules; its cycles are the same ones."""
     found = firings(drive, judged)
     begin, end = float(judged.times[0]), float(judged.times[-1])
-    way = np.interp([begin, end], drive.motion.t, drive.motion.s)
     hours = (end - begin + 1.0 / drive.mapping.rate) / 3600.0
-    km = float(way[1] - way[0]) / 1000.0
+    km = _way(drive.motion, begin, end) / 1000.0
     raw = None if logged is None else _rates(firings(*logged, judged), hours, km)
     margins, silent = _margins(judged, found)
     return Report(
         drive, hours, km, residuals(drive, begin, end), found, _rates(found, hours, km), raw, margins, silent, limits, begin, end,
         len(judged.times),
     )  # fmt: skip
+
+
+def _way(motion: Motion, begin: float, end: float) -> float:
+    """How far the car went between two times, m: ahead and back alike."""
+    turns = [float(motion.t[last]) for _, last, _ in stretches(motion.s)]
+    times = [begin, *(t for t in turns if begin < t < end), end]
+    return float(np.abs(np.diff(np.interp(times, motion.t, motion.s))).sum())
 
 
 def residuals(drive: Drive, begin: float = 0.0, end: float = math.inf) -> dict[str, dict[str, float]]:
