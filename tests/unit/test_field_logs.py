@@ -488,6 +488,21 @@ def test_a_speed_of_the_wrong_sign_is_no_reversing(tmp_path: Path) -> None:
     assert "a speed of the other sign" in str(error.help)
 
 
+def test_a_noisy_heading_on_a_straight_turns_nothing(tmp_path: Path) -> None:
+    """Of 100 s straight on, the noise of the heading was held against a yaw rate that is none: its unit was said to be wrong."""
+    columns = field_logs.noisy(field_logs.straight(100.0, 10.0), 1, 0.02, 0.01, 0.05, 0.002)
+    where, file = field_logs.write(tmp_path, columns)
+    assert len(log.read(mapping.read(where), file).t) == 1000
+
+
+@pytest.mark.parametrize("factor", [-1.0, 57.3, 1 / 57.3])
+def test_a_yaw_rate_that_is_none_of_a_noisy_heading_is_found(tmp_path: Path, factor: float) -> None:
+    columns = field_logs.noisy(field_logs.ring(40.0, 10.0), 1, 0.02, 0.01, 0.05, 0.002)
+    where, file = field_logs.write(tmp_path, {**columns, "yaw": factor * columns["yaw"]})
+    with pytest.raises(TrackmarshalError, match=r"D173.*the yaw rate is"):
+        log.read(mapping.read(where), file)
+
+
 def straight_and_turned_slowly() -> dict[str, Any]:
     """15 m/s straight on, and a bend of 10 m at 2 m/s: too slow to say anything of noise."""
     t = np.arange(1500) / 25

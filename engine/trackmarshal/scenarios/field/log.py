@@ -28,6 +28,8 @@ _OTHER_HELP = "export the log as CSV (gzip may pack it) or as MCAP with JSON"
 _FEWEST = 20
 #: A gap in time that is longer than this, s, is a part of the log that is missing.
 _LONGEST_GAP = 1.0
+#: s: over this time a bend turns a heading by more than its noise does.
+_BEND = 2.0
 #: m/s: slower, a car's direction of travel is not seen in its positions.
 MOVING = 2.0
 
@@ -214,17 +216,30 @@ def _fits(log: Log, shown: str) -> None:
             help_,
         )
     if log.yaw_rate is not None:
-        turned = np.angle(np.exp(1j * (log.heading[lag:] - log.heading[:-lag]))) / dt
-        rate = 0.5 * (log.yaw_rate[lag:] + log.yaw_rate[:-lag])
-        turning = moving & (np.abs(turned) > 0.03)
-        if np.count_nonzero(turning) >= _FEWEST:
-            fit = float(np.median(rate[turning] / turned[turning]))
-            if not 0.5 <= fit <= 2.0:
-                raise _contradicts(
-                    f"the yaw rate is {fit:.3g} times the change of the heading",
-                    shown,
-                    "are its unit and its sign right?",
-                )
+        fit = _turns(log, log.yaw_rate)
+        if not 0.5 <= fit <= 2.0:
+            raise _contradicts(
+                f"the yaw rate is {fit:.3g} times the change of the heading",
+                shown,
+                "are its unit and its sign right?",
+            )
+
+
+def _turns(log: Log, rate: Floats) -> float:
+    """How many times the change of the heading the yaw rate adds up to, by the median over the bends; 1 for a log without any.
+
+    A bend is what the noise of the heading does not turn by: on a straight, that would be all that there is, and no yaw rate goes with it.
+    """
+    lag = max(1, round(_BEND / float(np.median(np.diff(log.t)))))
+    heading = np.unwrap(log.heading)
+    noise = float(np.median(np.abs(np.diff(heading, 2)))) / (0.6745 * np.sqrt(6.0))
+    added = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(log.t))])
+    turned, said = heading[lag:] - heading[:-lag], added[lag:] - added[:-lag]
+    way = np.hypot(log.x[lag:] - log.x[:-lag], log.y[lag:] - log.y[:-lag])
+    bends = (way > MOVING * (log.t[lag:] - log.t[:-lag])) & (
+        np.abs(turned) > max(0.03 * _BEND, 6.0 * np.sqrt(2.0) * noise)
+    )
+    return float(np.median(said[bends] / turned[bends])) if np.count_nonzero(bends) >= _FEWEST else 1.0
 
 
 def _contradicts(message: str, shown: str, help: str) -> TrackmarshalError:
