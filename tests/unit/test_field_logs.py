@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 import json
 import random
 import warnings
@@ -205,6 +206,71 @@ def test_a_hash_holds_the_mapping_to_its_log(tmp_path: Path) -> None:
         build.build(mapping.read(where))
     assert found.value.code == "D178"
     assert "nothing is said about it" in found.value.message
+
+
+def test_a_log_with_fewer_rows_than_cycles_are_asked_for(tmp_path: Path) -> None:
+    """Nothing is made up between them, and nobody is told that it was."""
+    columns = field_logs.noisy(field_logs.straight(30.0, 4.0), 1, 0.02, 0.005, 0.05, 0.005)
+    where, file = field_logs.write(tmp_path, columns, field_logs.MAP + "noise: {jerk: 1}\n")
+    made = build.build(mapping.read(where), file).recording
+    assert made.cycles[1].t - made.cycles[0].t == pytest.approx(0.25)
+    assert any(
+        f"{len(made.cycles)} cycles at 4 Hz, which is all that the log has" in note for note in made.notes
+    )
+
+
+def test_a_checkout_with_other_ends_of_lines_has_the_same_files(tmp_path: Path) -> None:
+    """As git has them on Windows: what a run was made from there is what it is made from here, and hashes of texts hold."""
+    where, file = field_logs.write(tmp_path, CLEAN)
+    borders = [tmp_path / "left.csv", tmp_path / "right.csv"]
+    declared = (
+        field_logs.MAP + f"log: {{path: log.csv, sha256: {hashlib.sha256(file.read_bytes()).hexdigest()}}}\n"
+    )
+    for border in borders:
+        named = f"path: {border.name}, sha256: {hashlib.sha256(border.read_bytes()).hexdigest()}"
+        declared = declared.replace(f"path: {border.name}", named)
+    where.write_text(declared, encoding="utf-8")
+    here = build.build(mapping.read(where)).sources
+    for path in (where, file, *borders):
+        path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    assert build.build(mapping.read(where)).sources == here
+    borders[0].write_bytes(borders[0].read_bytes().replace(b"-10", b"-11"))
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where))
+    assert found.value.code == "D175"
+
+
+@pytest.mark.parametrize("rows", [1, 2, 10])
+@pytest.mark.parametrize("at", [0, 3, 6])
+def test_rows_are_not_lost_in_a_quotation_that_is_not_closed(tmp_path: Path, rows: int, at: int) -> None:
+    """What a driver says at the wheel, in a column that nobody asks for, wherever it stands; a note of two lines is one."""
+    cells = [line.split(",") for line in field_logs.text(CLEAN).splitlines()]
+    for number, row in enumerate(cells):
+        row.insert(at, "" if number else "said")
+    where, file = field_logs.write(tmp_path, CLEAN)
+
+    def written() -> None:
+        file.write_text("".join(",".join(row) + "\n" for row in cells), encoding="utf-8")
+
+    cells[50][at] = '"1, 2\nby 3, 4"'
+    written()
+    assert len(log.read(mapping.read(where), file).t) == len(CLEAN["time"])
+    cells[100][at], cells[100 + rows][at] = '"box', 'now"'
+    written()
+    with pytest.raises(TrackmarshalError) as found:
+        log.read(mapping.read(where), file)
+    assert (found.value.code, found.value.line) == ("D171", 102)
+    assert "quotation" in found.value.message
+
+
+def test_a_bend_that_takes_all_the_grip_is_no_end_of_the_log(tmp_path: Path) -> None:
+    """Nothing brakes there at so small a share: it was said that the log ends, and what came behind was gone."""
+    columns = field_logs.noisy(field_logs.ring(90.0, 10.0, 20.0, 10.0), 1, 0.02, 0.005, 0.05, 0.005)
+    where, file = field_logs.write(tmp_path, columns, field_logs.MAP.replace("share: 0.9", "share: 0.05"))
+    with pytest.raises(TrackmarshalError) as found:
+        build.build(mapping.read(where), file)
+    assert found.value.code == "D151"
+    assert "still moves 60 s later" in found.value.message
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import digest
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import candidates, smoother
@@ -244,4 +244,4 @@ def _sources(mapping: Mapping, log: Log) -> dict[str, str]:
     files = [Path(mapping.source), *(logs.find(mapping, border.file) for border in mapping.track)]
     files += [spec_of(mapping, name) for name in (mapping.vehicle, *mapping.use)]
     found = {log.path: log.sha256}
-    return found | {str(path): hashlib.sha256(content.read(path, str(path))).hexdigest() for path in files}
+    return found | {str(path): digest(content.read(path, str(path))) for path in files}

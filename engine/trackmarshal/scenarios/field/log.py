@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import digest
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import table
 from trackmarshal.scenarios.field.mapping import Border, Column, Mapping, Named, unit_of
@@ -37,7 +38,7 @@ MOVING = 2.0
 @dataclass(frozen=True, slots=True)
 class Log:
     """(n,) float64 in SI: time from the first row (which was at `origin`), place of the vehicle's middle, heading 0 along +x and
-    counter-clockwise positive in (-pi, pi], speed, and yaw rate where there is one. `path` is where it lies, `sha256` its bytes, `left_out` what of
+    counter-clockwise positive in (-pi, pi], speed, and yaw rate where there is one. `path` is where it lies, `sha256` what it holds, `left_out` what of
     its beginning is no row."""
 
     t: Floats
@@ -93,7 +94,7 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
         rate,
         origin,
         str(path),
-        hashlib.sha256(raw).hexdigest(),
+        digest(raw),
         left_out,
     )
     _fits(log, shown)
@@ -101,7 +102,7 @@ def read(mapping: Mapping, path: Path, shown: str | None = None) -> Log:
 
 
 def checked(path: Path, shown: str, named: Named | None, mapping: Mapping) -> bytes:
-    """The bytes of a file, which are those that the mapping's hash is of; raises D120, D124, D175 and D178."""
+    """The bytes of a file, which holds what the mapping's hash is of; raises D120, D124, D175 and D178."""
     if named is not None and not path.exists() and path == find(mapping, named):
         message = "this file of the mapping is not here: nothing is said about it"
         raise TrackmarshalError(
@@ -111,7 +112,8 @@ def checked(path: Path, shown: str, named: Named | None, mapping: Mapping) -> by
             help=f"{mapping.source}:{named.line} names it; it need not be part of the project",
         )
     raw = content.read(path, shown)
-    if named is not None and named.sha256 and hashlib.sha256(raw).hexdigest() != named.sha256:
+    # A text that a checkout gave other ends of lines is the file that is named.
+    if named is not None and named.sha256 not in ("", hashlib.sha256(raw).hexdigest(), digest(raw)):
         message = "this is not the file that the mapping names: its hash is another"
         help_ = f"{mapping.source}:{named.line} has {named.sha256[:12]}..., the file {hashlib.sha256(raw).hexdigest()}"
         raise TrackmarshalError("D175", message, file=shown, help=help_)

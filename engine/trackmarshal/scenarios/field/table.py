@@ -44,18 +44,24 @@ def read(
             "D171", "a NUL stands in the text", file=shown, line=line, help="was it cut off?"
         )
     numbers, lines = [], []
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=_DELIMITERS[delimiter], strict=True)
+    sign = _DELIMITERS[delimiter]
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=sign, strict=True)
     places: list[int] | None = None
-    width = 0
+    width = last = 0
     try:
         for cells in reader:
             if not cells or (len(cells) == 1 and not cells[0].strip()):
+                last = reader.line_num
                 continue
             if places is None:
                 places, is_header = _places(cells, reader.line_num, shown, columns, delimiter)
                 width = len(cells)
                 if is_header:
+                    last = reader.line_num
                     continue
+            if reader.line_num > last + 1:
+                _no_rows_in_cells(cells, places, sign, shown, last + 1)
+            last = reader.line_num
             if len(cells) != width:
                 message = f"{len(cells)} cells, the first line has {width}"
                 help_ = "was the line cut off?"
@@ -72,6 +78,27 @@ def read(
         )
     table = np.array(numbers, dtype=np.float64)
     return {name: np.ascontiguousarray(table[:, i]) for i, name in enumerate(columns)}, np.array(lines)
+
+
+def _no_rows_in_cells(cells: list[str], places: list[int], delimiter: str, shown: str, line: int) -> None:
+    """Raise D171 where a cell that begins with a quotation mark goes on over lines with the numbers of rows, to the next one further below.
+
+    A cell of several lines of text is one.
+    """
+    for at, cell in enumerate(cells):
+        inner = cell.splitlines()
+        for number, text in enumerate(inner):
+            first, last = (at if number == 0 else 0), number == len(inner) - 1
+            wanted = [p - first for p in places if (number > 0 or p > at) and (not last or p < at)]
+            parts = text.split(delimiter)
+            if wanted and all(
+                each < len(parts) and not math.isnan(_finite(parts[each].strip())) for each in wanted
+            ):
+                message = "a cell in quotation marks has rows of numbers in it"
+                help_ = (
+                    "is a quotation mark not closed? Take it out, or write it twice: those rows would be lost"
+                )
+                raise _wrong(message, shown, line, help_)
 
 
 def _places(
@@ -121,12 +148,8 @@ def _plain(name: str) -> str:
 
 def _number(cells: list[str], place: int, shown: str, line: int) -> float:
     cell = cells[place].strip()
-    try:
-        # Python's own `1_000` is nothing that a log means
-        value = float(cell) if len(cell) <= _LONGEST and "_" not in cell else math.nan
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
+    value = _finite(cell)
+    if math.isnan(value):
         # `from` and `to` of the mapping are no way out: noise is that of the whole file
         help_ = "take the row out of the file, or mend it; a missing number is not guessed"
         if _GROUPED.fullmatch(cell):
@@ -137,6 +160,16 @@ def _number(cells: list[str], place: int, shown: str, line: int) -> float:
             help_ = f"numbers have a point: `{cell.replace(',', '.')}`"
         raise _wrong(f"column {place + 1}: {cell!r:.40} is no finite number", shown, line, help_)
     return value
+
+
+def _finite(cell: str) -> float:
+    """The number in a cell; NaN for what is none, and for one that is not finite."""
+    try:
+        # Python's own `1_000` is nothing that a log means
+        value = float(cell) if len(cell) <= _LONGEST and "_" not in cell else math.nan
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
 
 
 def _wrong(message: str, shown: str, line: int, help: str) -> TrackmarshalError:
