@@ -13,6 +13,7 @@ shape placed = { x: m }
 signal ego : state { x: m, v: m/s in [-10, 150], age: s in [0, 10], flag: flag, lane: 1 in [1, 3] }
 signal plan : trajectory { t: s increasing, v: m/s in [-10, 150], a: m/s^2 }
 signal objects : set of object { x: m, v: m/s in [-10, 150], parked: bool }
+signal few : set of object { x: m, v: m/s in [-10, 150] } capacity 4 forget 1 s
 event yellow "y"
 event blue "b"
 param limit : m/s = 30 m/s in [0, 100]
@@ -23,6 +24,10 @@ define gap(o: placed) -> m = abs(o.x - ego.x)
 state light : { off, on } starts off
   becomes on when yellow
   becomes off when blue
+state role : { near, far, gone } for each o in few starts near
+  becomes far when o.x > 5 m
+  becomes gone when o.x > 50 m
+  becomes near when o.x < 1 m
 """
 #: Clauses above `require`, the demand, and what is warned of.
 SLIPS = {
@@ -52,6 +57,14 @@ SLIPS = {
     "both sides of a choice": ("", "(if yellow then 3 m/s else 4 m/s) <= 5 m/s", "W306"),
     "a case of numbers": ("", "(case ego.flag { red: 0 m/s, else: 10 m/s }) <= 20 m/s", "W306"),
     "at once both": ("", "ego.v <= 10 m/s and ego.v >= 20 m/s", "W305"),
+    "two states at once": ("whenever light is on and light is off", "yellow", "W305"),
+    "two states of one object at once": ("for all o in few where role(o) is far\n except role(o) is near \"x\"", "o.v < 9 m/s", "W305"),
+    "no state at all": ("whenever not (light is on) and not (light is off)", "yellow", "W305"),
+    "what a state leaves over": ("whenever not (light is on)", "light is off", "W306"),
+    "more than there is room for": ("whenever count(o in few where o.x > 3 m) > 4", "yellow", "W305"),
+    "as many as there is room for": ("", "count(o in few) <= 4", "W306"),
+    "a sum of as many as there is room for": ("", "sum(o.v for o in few) <= 600 m/s", "W306"),
+    "a count of one cycle": ("", "count(rising(yellow), last: 0 s) <= 1", "W306"),
     "an exists inside": ("whenever exists o in objects where o.v > 200 m/s: ahead(o)", "yellow", "W305"),
 }  # fmt: skip
 FINE = {
@@ -75,6 +88,14 @@ FINE = {
     "a division through zero": ("", "ego.x / ego.v <= 1 s or ego.x / ego.v >= 2 s"),
     "what is left of a range": ("for all o in objects where ahead(o)\n except o.parked \"x\"", "o.v < 10 m/s"),
     "a whole number between": ("", "ego.lane > 1"),
+    "a state of another object": ("for all o in few where role(o) is far", "exists q in few: role(q) is near"),
+    "one of the states that are left": ("for all o in few where not (role(o) is far)", "role(o) is near"),
+    "a state of before": ("whenever light is on", "previous (light is off)"),
+    "all that there is room for": ("whenever count(o in few) >= 4", "yellow"),
+    "a sum below that of all": ("", "sum(o.v for o in few) <= 599 m/s"),
+    "a count of those without a capacity": ("", "count(o in objects) <= 4"),
+    "a count of one cycle that may be it": ("", "count(yellow, last: 0 s) <= 0"),
+    "a count of two cycles": ("", "count(yellow, last: 1 s) <= 1"),
     "not that member": ("whenever not (ego.flag is red)", "ego.flag is green"),
 }  # fmt: skip
 
@@ -82,7 +103,7 @@ FINE = {
 def warned(clauses: str, demand: str) -> list[str]:
     lines = "".join(f"  {clause.strip()}\n" for clause in clauses.splitlines())
     compiled = compile_text(
-        f'{HEAD}rule r "r"\n{lines}  require {demand}\nrule asks "r"\n  require light is on\n'
+        f'{HEAD}rule r "r"\n{lines}  require {demand}\nrule asks "r"\n  require light is on\nrule also "r"\n  for all o in few\n  require role(o) is far\n'
     )
     assert compiled.errors == []
     return [found.code for found in compiled.found]
@@ -107,5 +128,7 @@ def test_a_rule_that_is_too_large_is_left_alone(monkeypatch: pytest.MonkeyPatch)
 
 def test_a_guard_of_a_state_is_looked_at() -> None:
     made = HEAD.replace("becomes on when yellow", "becomes on when yellow and not yellow")
-    compiled = compile_text(f'{made}rule asks "r"\n  require light is on\n')
+    compiled = compile_text(
+        f'{made}rule asks "r"\n  require light is on\nrule also "r"\n  for all o in few\n  require role(o) is far\n'
+    )
     assert [(found.code, found.span.text) for found in compiled.found] == [("W305", "yellow and not yellow")]

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import reduce
+from operator import add
 from typing import TypeAlias, assert_never
 
 from trackmarshal.ir import nodes as ir
@@ -30,6 +32,7 @@ HOLDS, FAILS = 1, 2
 #: Nodes that are looked at for one rule at most: written out, a rule can be far more than it is.
 MOST = 20_000
 _FlagAt: TypeAlias = tuple[str, str | None, ir.Axis | None, int]
+_MachineAt: TypeAlias = tuple[str, ir.Axis | None]
 
 
 class TooMuchError(Exception):
@@ -37,15 +40,17 @@ class TooMuchError(Exception):
 
 
 class Facts:
-    """What is known of numbers and flags of one cycle."""
+    """What is known of numbers, flags and state machines of one cycle; of a machine, the states that are left."""
 
     def __init__(
         self,
         numbers: Mapping[ir.Num, Interval] | None = None,
         orders: Mapping[tuple[ir.Num, ir.Num], int] | None = None,
         flags: Mapping[_FlagAt, bool] | None = None,
+        states: Mapping[_MachineAt, frozenset[str]] | None = None,
     ) -> None:
         self.numbers, self.orders, self.flags = dict(numbers or {}), dict(orders or {}), dict(flags or {})
+        self.states = dict(states or {})
         #: Intervals that were worked out with them.
         self.seen: dict[ir.Num, Interval] = {}
 
@@ -59,6 +64,7 @@ class Facts:
             {n: i for n, i in self.numbers.items() if not about(n)},
             {pair: m for pair, m in self.orders.items() if not any(map(about, pair))},
             {flag: v for flag, v in self.flags.items() if flag[2] is not axis},
+            {machine: left for machine, left in self.states.items() if machine[1] is not axis},
         )
 
 
@@ -125,7 +131,10 @@ class Bounds:
                 return self._counted(formula, formula.counted)
             case ir.Counted():
                 return self._counted(formula, formula.operands[0])
-            case ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.InState():
+            case ir.InState():
+                left = _left(formula, facts)
+                return (HOLDS if formula.state in left else 0) | (FAILS if left - {formula.state} else 0)
+            case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 return HOLDS | FAILS
             case _:
                 assert_never(formula)
@@ -141,7 +150,17 @@ class Bounds:
             case ir.Flag():
                 if not self.truths(formula, facts) & (HOLDS if value else FAILS):
                     return None
-                return Facts(facts.numbers, facts.orders, {**facts.flags, _flag(formula): value})
+                return Facts(
+                    facts.numbers, facts.orders, {**facts.flags, _flag(formula): value}, facts.states
+                )
+            case ir.InState():
+                it, left = frozenset((formula.state,)), _left(formula, facts)
+                left = left & it if value else left - it
+                if not left:
+                    return None
+                return Facts(
+                    facts.numbers, facts.orders, facts.flags, {**facts.states, _machine(formula): left}
+                )
             case ir.Compare():
                 hold = _HOLD[formula.op]
                 return self._ordered(formula.left, formula.right, hold if value else _EVERY & ~hold, facts)
@@ -164,7 +183,7 @@ class Bounds:
                 formula, facts = formula.right, first
         if isinstance(formula, ir.Not):
             formula = formula.operand
-        return formula.span if isinstance(formula, (ir.Compare, ir.Flag)) else None
+        return formula.span if isinstance(formula, (ir.Compare, ir.Flag, ir.InState)) else None
 
     def _joined(self, formula: ir.Connective, facts: Facts) -> int:
         left = self.truths(formula.left, facts)
@@ -202,7 +221,9 @@ class Bounds:
                 assert_never(formula.op)
 
     def _counted(self, formula: ir.Tallied | ir.Counted, counted: ir.Formula) -> int:
-        count = NOT_NEGATIVE if self.truths(counted, self.nothing) & HOLDS else (0.0, 0.0)
+        # The stamps of two cycles differ.
+        most = 1.0 if isinstance(formula, ir.Counted) and formula.upper == 0 else math.inf
+        count = (0.0, most if self.truths(counted, self.nothing) & HOLDS else 0.0)
         limit = self._interval(formula.limit, self.nothing)
         order = _lie(limit, count) if formula.turned else _lie(count, limit)
         hold = _HOLD[formula.op]
@@ -246,6 +267,7 @@ class Bounds:
             {**facts.numbers, left: (low, high), right: (least, most)},
             {**facts.orders, (left, right): order, (right, left): turned},
             facts.flags,
+            facts.states,
         )
 
     # Numbers ------------------------------------------------------------------------------------------------------
@@ -356,8 +378,15 @@ class Bounds:
             return none or ANY
         low, high = self._interval(node.body, inner)
         if node.op == "sum":
-            return (0.0 if low >= 0.0 else -math.inf), (0.0 if high <= 0.0 else math.inf)
+            return min(0.0, self._sum(node.axis, low)), max(0.0, self._sum(node.axis, high))
         return (low, high) if none is None else (min(low, none[0]), max(high, none[1]))
+
+    def _sum(self, axis: ir.Axis, each: float) -> float:
+        """The sum of as many of a number as an axis has at most, added up as evaluators do: no sum of lesser ones is rounded to more."""
+        known = self._signals.get(axis.signal)
+        if known is None or known.capacity is None:
+            return math.copysign(math.inf, each) if each else 0.0
+        return reduce(add, [each] * known.capacity, 0.0)
 
     def _range(self, signal: str, name: str) -> Interval:
         field = self._field(signal, name)
@@ -376,6 +405,15 @@ class Bounds:
 
 def _flag(node: ir.Flag) -> _FlagAt:
     return node.signal, node.field, node.axis, node.offset
+
+
+def _machine(node: ir.InState) -> _MachineAt:
+    return node.machine.name, node.machine.axis
+
+
+def _left(node: ir.InState, facts: Facts) -> frozenset[str]:
+    """The states in which a machine may be."""
+    return facts.states.get(_machine(node), frozenset(node.machine.states))
 
 
 def _no_number(node: ir.Num) -> bool:
