@@ -92,7 +92,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    numbers = range(301, 313)
+    numbers = range(301, 314)
     assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
@@ -194,6 +194,50 @@ def test_how_far_a_temporal_operator_goes_is_asked(formula: str, word: str, tmp_
     assert [(found.code, found.message.split("`")[1]) for found in made.found] == (
         [("W308", word)] if word else []
     )
+
+
+OBJECTS = 'signal objects : set of object { v: m/s, x: m }\nevent fast "f"\n'
+
+
+@pytest.mark.parametrize(
+    ("clauses", "formula", "word"),
+    [
+        ("", "exists o in objects: (o.v > ego.v implies o.x > 3 m)", "exists"),
+        ("", "fast or exists o in objects: ((o.v > ego.v implies o.x > 3 m))", "exists"),
+        ("  exists    o in objects\n", "o.v > ego.v implies o.x > 3 m", "exists"),
+        ("  for all   o in objects\n  exists    q in objects\n", "q.v > o.v implies o.x > q.x", "exists"),
+        ("  for all   o in objects where o.v > ego.v implies fast\n", "o.x > 3 m", "where"),
+        ("", "for all o in objects where (o.v > ego.v implies fast): (o.x > 3 m)", "where"),
+        ("", "count(o in objects where o.v > ego.v implies fast) <= 3", "where"),
+        ("  whenever  ego.v > 3 m/s implies fast\n", "ego.v <= 5 m/s", "whenever"),
+        ('  for all   o in objects\n  except    o.v > ego.v implies fast "x"\n', "o.x > 3 m", "except"),
+        ("", "once[0 s, 3 s] (fast implies ego.v > 3 m/s)", "once"),
+        ("", "eventually[0 s, 3 s] (fast implies ego.v > 3 m/s)", "eventually"),
+        ("  whenever  fast\n  within    3 s\n", "ego.v > 3 m/s implies ego.heading > 1 rad", "within"),
+        ("  for all   o in objects\n", "o.v > ego.v implies o.x > 3 m", ""),
+        ("", "for all o in objects: (o.v > ego.v implies o.x > 3 m)", ""),
+        ("", "exists o in objects: (o.v > ego.v and (fast implies o.x > 3 m))", ""),
+        ("", "exists o in objects: (not (o.v > ego.v) or o.x > 3 m)", ""),
+        ("", "exists nearest o in objects by o.x: (o.v > ego.v implies o.x > 3 m)", ""),
+        ("  exists    nearest o in objects by o.x\n", "o.v > ego.v implies o.x > 3 m", ""),
+        ("  exists    q in objects\n  for all   o in objects\n", "q.v > o.v implies o.x > q.x", ""),
+        ("", "always[0 s, 3 s] (fast implies ego.v > 3 m/s)", ""),
+        ("", "(exists o in objects: o.v > ego.v) implies fast", ""),
+        ("  whenever  fast iff ego.v > 3 m/s\n", "ego.v <= 5 m/s", ""),
+    ],
+)
+def test_an_implies_that_others_meet_is_asked_about(
+    clauses: str, formula: str, word: str, tmp_path: Path
+) -> None:
+    """One of which the left side is not so is enough for an `exists`, and is in the range of a `where`."""
+    made = compiled(tmp_path, OBJECTS + rule("a", formula, clauses))
+    assert made.errors == []
+    assert [(found.code, found.message.split("`")[3]) for found in made.found] == (
+        [("W313", word)] if word else []
+    )
+    allow = '  allow     W313 because "why"\n'
+    allowed = compiled(tmp_path, OBJECTS + rule("a", formula, allow + clauses))
+    assert [found.code for found in allowed.found] == ([] if word else ["W303"])
 
 
 @pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])

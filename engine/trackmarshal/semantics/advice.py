@@ -20,6 +20,7 @@ from trackmarshal.semantics.errors import (
     ExactlyEqual,
     GoesOn,
     JoinsConditions,
+    MetByOthers,
     TurnsOver,
     WrongDimension,
 )
@@ -76,6 +77,22 @@ def joins_conditions(expr: ast.Binary) -> JoinsConditions | None:
     if isinstance(middle, ast.Binary) and middle.op in ("and", "or") and not ast.is_parenthesised(middle):
         return JoinsConditions(middle.__dict__["span"], middle.op, op)
     return None
+
+
+#: What comes of one for which, or of a cycle in which, the left side of an `implies` does not hold.
+_MET = {
+    "exists": "one for which that does not hold is enough", "where": "all for which that does not hold are in the range",
+    "whenever": "the rule applies wherever that does not hold", "except": "all for which that does not hold are left out",
+    "once": "a time at which that did not hold is enough", "eventually": "a time at which that does not hold is enough",
+    "within": "a cycle in which that does not hold meets the demand",
+}  # fmt: skip
+
+
+def met_by_others(word: str, condition: ast.Expr | None) -> MetByOthers | None:
+    """What is to be said of an `implies` of which one that meets it is looked for, or those that do are picked."""
+    if word not in _MET or not isinstance(condition, ast.Binary) or condition.op != "implies":
+        return None
+    return MetByOthers(condition.__dict__["span"], word, _MET[word])
 
 
 def _leads_on(expr: ast.Expr) -> TypeGuard[ast.Binary]:

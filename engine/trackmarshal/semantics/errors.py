@@ -865,6 +865,24 @@ class JoinsConditions(Diagnostic):
     op: str
 
 
+class MetByOthers(Diagnostic):
+    code = "W313"
+    title = "an `implies` that others meet"
+    level = "warning"
+    text = "this `implies` below `{word}` holds wherever its left side does not"
+    label = "{consequence}"
+    remedy = 'write `and` where both are to hold, `not (...) or ...` where this is meant, or say in the rule why: `allow W313 because "..."`'
+    explanation = (
+        "`p implies q` holds where p does not. A demand on all of them needs that; what looks for one, picks some, or leaves some out has hardly "
+        "meant those for which p does not hold: `exists o in objects: (p implies q)` is true as soon as there is one of these, and `where p implies q` "
+        "takes in all of them. So it is of `whenever`, `except`, `once`, `eventually`, and of what is to be met `within` a time."
+    )
+
+    span: Span
+    word: str
+    consequence: str
+
+
 class NeverStarts(Diagnostic):
     code = "W312"
     title = "a rule with which a Supervisor never starts"

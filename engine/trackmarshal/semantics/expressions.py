@@ -12,7 +12,7 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice, ends_early, goes_on, joins_conditions
+from trackmarshal.semantics.advice import Advice, ends_early, goes_on, joins_conditions, met_by_others
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal
 from trackmarshal.semantics.errors import (
@@ -637,6 +637,7 @@ class Expressions:
 
     def _temporal(self, expr: ast.Temporal, ctx: Context) -> typed.Formula:
         self.advise(goes_on(expr))
+        self.advise(met_by_others(expr.op, expr.operand))
         (operand,), window = self._over_time((expr.operand,), expr.window, ctx)
         axis = ctx.timeline
         if expr.op in typed.STEPS:
@@ -775,6 +776,9 @@ class Expressions:
         range_, variables = self.range_of(expr, ctx)
         inner = ctx.bind(variables, 1)
         self.check_used(expr.names, (expr.where, expr.by, expr.body), expr.span.head)
+        self.advise(met_by_others("where", expr.where))
+        if expr.by is None:  # of the nearest there is one
+            self.advise(met_by_others(expr.quantifier, expr.body))
         by, guard, body = self.all(
             lambda: self.number(expr.by, inner) if expr.by is not None else None,
             lambda: self.formula(expr.where, inner) if expr.where is not None else None,
@@ -791,6 +795,7 @@ class Expressions:
         inner = ctx.bind(variables, 1)
         if expr.body is not None or expr.where is not None:
             self.check_used(expr.names, (expr.where, expr.body), expr.span.head)
+        self.advise(met_by_others("where", expr.where))
         guard, body, otherwise = self.all(
             lambda: self.formula(expr.where, inner) if expr.where is not None else None,
             lambda: self.number(expr.body, inner) if expr.body is not None else None,

@@ -15,7 +15,7 @@ from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo, SignalType
 from trackmarshal.lowering.rules import Lowered, lower_rule
-from trackmarshal.semantics.advice import warnings
+from trackmarshal.semantics.advice import met_by_others, warnings
 from trackmarshal.semantics.courses import judged_at
 from trackmarshal.semantics.errors import (
     AllowsNothing,
@@ -269,6 +269,8 @@ class RuleBuilder:
         made: list[typed.Clause] = []
         ctx, failed = self.ctx, False
         quantifier: typed.ForEach | None = None
+        #: What one is looked for by that meets the demand.
+        sought = within = ""
         # Of those that stand below the condition that is said; what they bind is known in it all the same.
         scene = [c for c in item.clauses if isinstance(c, _SCENE)]
         clauses = [*scene, *(c for c in item.clauses if isinstance(c, ast.Require))]
@@ -293,18 +295,23 @@ class RuleBuilder:
                             (clause.where, clause.by, *clauses[position + 1 :]),
                             clause.span.head,
                         )
+                        self.x.advise(met_by_others("where", clause.where))
+                        sought = clause.quantifier if clause.by is None else ""
                         guard, by = self._range_condition(clause, ctx)
                         if over is not None:
                             word = known(clause.quantifier, QUANTIFIERS)
                             quantifier = typed.ForEach(word, over, guard, by, clause.span)
                             made.append(quantifier)
                     case ast.Except():
+                        self.x.advise(met_by_others("except", clause.condition))
                         condition = self.x.formula(clause.condition, ctx)
                         if quantifier is not None:  # else it was reported with the clauses' places
                             made.append(typed.Except(quantifier, condition, clause.reason, clause.span))
                     case ast.Whenever():
+                        self.x.advise(met_by_others("whenever", clause.condition))
                         made.append(typed.Whenever(self.x.formula(clause.condition, ctx), clause.span))
                     case ast.WithinTime():
+                        within = "within"
                         made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
@@ -316,6 +323,7 @@ class RuleBuilder:
                         ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
                         made.append(typed.Let(clause.name, value, clause.span))
                     case ast.Require():
+                        self.x.advise(met_by_others(within or sought, clause.condition))
                         keyword = known(clause.keyword, _KEYWORDS)
                         made.append(
                             typed.Require(keyword, self.x.formula(clause.condition, ctx), clause.span)
