@@ -17,7 +17,7 @@ from support.mathml import read as signs
 from support.reading import RULES, demanded, examples, rule_of, spec_of
 from trackmarshal import reading, typed
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import load
+from trackmarshal.evaluation import load, loads
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.reading import layout as at
 from trackmarshal.reading import mathml, terminal, typst
@@ -30,6 +30,7 @@ from trackmarshal.reading.sentences import Sentences
 from trackmarshal.reading.sheet import Sheet
 from trackmarshal.reading.telling import tell
 from trackmarshal.reading.terminal import block, text
+from trackmarshal.reading.text import lines as in_text
 from trackmarshal.reading.words.english import ENGLISH
 from trackmarshal.semantics.compile import compile_paths
 
@@ -358,6 +359,38 @@ def test_a_deadline_is_told_where_it_is_one_for_each_that_a_quantifier_ranges_ov
         "within",
         "require",
     ]
+
+
+#: How a table is read, its rows, and what stands of that in front of them.
+TABLES = {
+    "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),
+    "linear": ("(h: h) -> km/h = linear\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),
+    "linear clamp": ("(h: h) -> km/h = linear clamp\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),
+    "step wrap 24 h": ("(h: h) -> km/h = step wrap 24 h\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),
+    "step, linear wrap 0.5 km": (
+        "(h: h, s: km) -> km/h = step, linear wrap 500 m\n  | s: 0 km, 0.2 km\n  | 6 h: 25, 20 |",
+        "limit(ego.h, ego.s)",
+    ),
+    "linear clamp, linear clamp": (
+        "(h: h, s: km) -> km/h = linear clamp\n  | s: 0 km, 0.2 km\n  | 6 h: 25, 20 | 9 h: 20, 10 |",
+        "limit(ego.h, ego.s)",
+    ),
+}
+
+
+@pytest.mark.parametrize("way", TABLES)
+def test_how_a_table_is_read_stands_beside_its_rows(way: str) -> None:
+    """Rows alone are the same for steps and for lines between them, and what is outside of them is a value or none."""
+    table, asked = TABLES[way]
+    spec = loads(
+        f"module made\nsignal ego : state {{ v: m/s, h: h, s: km }}\ntable limit{table}\n"
+        f'rule slow "s"\n  require ego.v <= {asked}\n'
+    )
+    made = sheet(spec.rule("slow") or pytest.fail("the rule is gone"), spec)
+    (described,) = data(made)["formula"]["tables"]
+    assert described["way"] == way
+    assert f"limit: {way}" in map(str.strip, in_text(made))
+    assert f"</math>: {way}</p>" in page([made])
 
 
 def test_a_table_a_zone_and_a_state_are_listed() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from trackmarshal.reading import mathml, typst
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.sheet import Sheet, about, beside, bounds, ends, equation, grid, origin, value
+from trackmarshal.reading.sheet import Sheet, about, beside, bounds, ends, equation, grid, origin, value, way
 from trackmarshal.reading.terminal import text
 from trackmarshal.units import in_full
 
@@ -66,7 +66,7 @@ def _reading(sheet: Sheet) -> dict[str, Any]:
             }
             for one in reading.settings
         ],
-        "tables": [{"name": info.name, "shown": text(shown), "rows": grid(info)} for shown, info in reading.tables],
+        "tables": [{"name": info.name, "shown": text(shown), "way": way(info), "rows": grid(info)} for shown, info in reading.tables],
         "places": [{"name": one.name, "kind": one.kind, "track": one.track, "points": [list(point) for point in one.points]} for one in reading.places],
         "inputs": [
             {"signal": signal, "field": name, "unit": "" if info is None else info.unit} for signal, name, info in reading.inputs

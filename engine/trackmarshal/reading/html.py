@@ -7,7 +7,18 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.reading import mathml
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, placed, value
+from trackmarshal.reading.sheet import (
+    Sheet,
+    about,
+    beside,
+    bounds,
+    equation,
+    grid,
+    origin,
+    placed,
+    value,
+    way,
+)
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -52,5 +63,6 @@ def _environment() -> Environment:
         origin=origin,
         placed=placed,
         value=value,
+        way=way,
     )
     return made

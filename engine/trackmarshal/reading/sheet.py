@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from trackmarshal.ir.spec import PlaceInfo, RuleInfo, TableInfo
+from trackmarshal.ir.tables import Way
 from trackmarshal.node import Node
 from trackmarshal.reading.layout import Chain, Joined, Layout, Sign
 from trackmarshal.reading.rule import Reading, Setting, Shown
@@ -117,6 +118,19 @@ def grid(info: TableInfo) -> list[list[str]]:
             for k, x in enumerate(info.knots)
         ),
     ]
+
+
+def way(info: TableInfo) -> str:
+    """How a table is read, as a spec says it: `linear clamp`, or of two arguments `step wrap 24 h, linear`."""
+    ways = [(info.way, info.units[0])]
+    if info.across is not None:
+        ways.append((info.across.way, info.across.unit))
+    return ", ".join(_way(*one) for one in ways)
+
+
+def _way(way: Way, unit: str) -> str:
+    outside = f" wrap {in_full(way.length, unit)}" if way.length else " clamp" if way.clamped else ""
+    return ("step" if way.steps else "linear") + outside
 
 
 def equation(head: Layout, sign: str, body: Layout) -> Layout:

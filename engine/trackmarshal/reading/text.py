@@ -8,7 +8,18 @@ from collections.abc import Iterator, Sequence
 from trackmarshal.reading.breaking import STEP
 from trackmarshal.reading.layout import Layout
 from trackmarshal.reading.rule import MachineShown, Reading, Setting
-from trackmarshal.reading.sheet import Sheet, about, beside, bounds, equation, grid, origin, placed, value
+from trackmarshal.reading.sheet import (
+    Sheet,
+    about,
+    beside,
+    bounds,
+    equation,
+    grid,
+    origin,
+    placed,
+    value,
+    way,
+)
 from trackmarshal.reading.telling import Told
 from trackmarshal.reading.terminal import block, text
 from trackmarshal.reading.words import Words
@@ -76,7 +87,7 @@ def _formula(reading: Reading, words: Words) -> Iterator[str]:
     for machine in reading.machines:
         yield from _machine(machine, words)
     for shown, table in reading.tables:
-        yield f"{' ' * STEP}{text(shown)}:"
+        yield f"{' ' * STEP}{text(shown)}: {way(table)}"
         rows = grid(table)
         widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
         for row in rows:

@@ -128,7 +128,9 @@ def _formula(writing: Writing, shown: Mapping[str, Any]) -> Iterator[Block]:
         ))  # fmt: skip
     for table in shown["tables"]:
         yield writing.part(
-            (*writing.line("rules.table"), Given(table["shown"])), [_grid(table["rows"])], level=4
+            (*writing.line("rules.table"), Given(table["shown"]), Fixed(": "), Code(table["way"])),
+            [_grid(table["rows"])],
+            level=4,
         )
     if shown["places"]:
         places = joined(

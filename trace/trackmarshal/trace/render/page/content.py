@@ -226,7 +226,7 @@ def _sheet(sheet: Mapping[str, Any]) -> dict[str, Any]:
             [one["name"], one["shown"], one["written"], one["range"], one["from"]]
             for one in formula["parameters"]
         ]
-        made["tables"] = [[one["name"], one["rows"]] for one in formula["tables"]]
+        made["tables"] = [[one["name"], one["way"], one["rows"]] for one in formula["tables"]]
         made["places"] = [[one["name"], one["kind"], len(one["points"])] for one in formula["places"]]
         made["inputs"] = [
             [f"{one['signal']}.{one['field']}".rstrip("."), one["unit"]] for one in formula["inputs"]

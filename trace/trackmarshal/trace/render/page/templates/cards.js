@@ -91,7 +91,7 @@ function rule(number) {
     (sheet.machines || []).forEach(([head, states, start, moves]) => parts.push(
       make("p", {}, math(head), ": " + states.join(", ") + "; starts as " + start),
       table(["becomes", "from", "when", "remembers"], moves.map(([target, sources, when, kept]) => [target, sources.join(", "), math(when), kept.map(math)]))));
-    (sheet.tables || []).forEach(([name, rows]) => parts.push(make("p", {}, make("code", {}, name)), table(rows[0], rows.slice(1))));
+    (sheet.tables || []).forEach(([name, way, rows]) => parts.push(make("p", {}, make("code", {}, name), `: ${way}`), table(rows[0], rows.slice(1))));
     (sheet.places || []).forEach(([name, kind, points]) => parts.push(make("p", {}, kind + " ", make("code", {}, name), ", " + points + " points")));
   }
   parts.push(...(drawing(number) ? [drawing(number)] : undrawn(number, sheet)));
