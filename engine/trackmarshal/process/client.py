@@ -415,7 +415,9 @@ def _look_at_ids(group: str, ids: Sequence[Any], count: int) -> None:
     known = set[str | float]()
     for one in ids:
         if not (is_text(one) or (is_number(one) and -(2.0**63) <= one < 2.0**63)):
-            raise LinkError(f"an entry of `{group}.id` is neither a text nor a number: {str(one)[:40]!r}")
+            raise LinkError(
+                f"an entry of `{group}.id` is neither a text nor a finite number of 64 bits: {str(one)[:40]!r}"
+            )
         known.add(str(one) if is_text(one) else float(one))
     if len(known) != count:
         raise LinkError(f"an entry of `{group}.id` stands twice")

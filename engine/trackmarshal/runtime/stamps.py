@@ -15,13 +15,16 @@ def stamp_after(frame: Frame, last: int | None) -> int:
     if frame.t is not None:
         with suppress(ValueError, OverflowError):
             stamp = stamped(frame.t)
-    if stamp is None or (last is not None and stamp <= last):
-        wrong = (
-            f"is not within {FURTHEST / 1e9:g} s of 0"
-            if stamp is None
-            else "does not come after the one before"
+    if stamp is not None and (last is None or stamp > last):
+        return stamp
+    if frame.t is None:
+        said, help_ = "has no stamp", 'write it as "t", in s, beside "signals": {"t": 0.1, "signals": {...}}'
+    elif stamp is None:
+        said = f"stamp {frame.t!r} s is not within {FURTHEST / 1e9:g} s of 0"
+        help_ = "stamps are finite, and in s, from wherever they count: of one in ms or ns take 0.001 or 1e-9"
+    else:
+        said = f"stamp {frame.t!r} s does not come after the one before"
+        help_ = (
+            "a run is in the order of its stamps, each once; where a clock was set back, another run begins"
         )
-        said = "has no stamp" if frame.t is None else f"stamp {frame.t!r} s {wrong}"
-        help_ = 'write it as "t", in s, beside "signals": {"t": 0.1, "signals": {...}}'
-        raise TrackmarshalError("D206", f"the cycle {said}", help=help_)
-    return stamp
+    raise TrackmarshalError("D206", f"the cycle {said}", help=help_)

@@ -285,7 +285,7 @@ def ids(column: Any) -> tuple[str, ...]:
     for index, name in enumerate(entries(column)):
         spoken = _spoken(name)
         if spoken is None:
-            raise WrongTypeError(f"{worded(name)} is neither a text nor a number", index)
+            raise WrongTypeError(_no_id(name), index)
         if found.setdefault(spoken, index) != index:
             raise WrongTypeError(f"`{spoken[:40]}` stands twice", index, "duplicate")
     return tuple(found)
@@ -306,6 +306,13 @@ def _spoken(name: Any) -> str | None:
     if is_a(number, bool) or not is_a(number, int) or _long(number):
         return None
     return int.__repr__(number)
+
+
+def _no_id(name: Any) -> str:
+    """Why something is no id: of a number, which one is."""
+    if not is_a(name, bool) and is_a(name, (int, float)):
+        return f"a number {'of more than 64 bits' if _long(name) else 'that is not finite'} is no id"
+    return f"{worded(name)} is neither a text nor a number"
 
 
 def _long(value: Any) -> bool:
