@@ -102,6 +102,9 @@ _PARTS = re.compile(r"(?<![\w.,])[0-9]+,[0-9]+(?![\w.])")
 _POWER = re.compile(r"/?(?:[A-Za-z]{1,3}[/*·])*([A-Za-z]{1,3})([23])\b")
 #: A number whose digits somebody groups.
 _GROUPED = re.compile(r"[0-9]+(?:['_][0-9]+)+")
+#: Digits before a blank, and those behind it, where these are in groups of three: `1 000 000`.
+_APART = re.compile(r"(?<![\w.,])[0-9]{1,3}(?:[ \u00a0][0-9]{3})*[ \u00a0]\Z")
+_THREES = re.compile(r"[0-9]{3}(?:[ \u00a0][0-9]{3})*(?:\.[0-9]+)?(?![\w,])")
 _OWN_SIGNS = frozenset("≤≥≠·²³√∀∃∈∧∨¬→↔−").union(GREEK)
 
 
@@ -287,6 +290,9 @@ def _sign(text: str, start: int, found: str, expected: set[str]) -> str:
         begin = re.search(r"[0-9]+\Z", text[:start])
         grouped = _GROUPED.match(text, begin.start()) if begin else None
         together = re.sub("['_]", "", grouped[0]) if grouped else "10000"
+        return f"digits of a number stand together: `{together}`"
+    if (apart := _APART.search(text, max(0, start - 40), start)) and (rest := _THREES.match(text, start)):
+        together = "".join((apart[0] + rest[0]).split())
         return f"digits of a number stand together: `{together}`"
     if found == "==" and "EQUAL" in expected:
         return "write `=` to name a value; `==` compares"
