@@ -890,12 +890,13 @@ class NeverStarts(Diagnostic):
     text = "nothing meets this demand as long as nothing was driven"
     label = "it asks for the `plan` of earlier cycles, of which there is none"
     remedy = (
-        "say where it does not count, as in `not driven or ...` with an `event driven`, or say in the rule why this is meant: "
+        "say where it does not count, as in `not driven or ...` with an `event driven` (in a `count`, `driven and ...`), or say in the rule why this is meant: "
         '`allow W312 because "..."`'
     )
     explanation = (
         "In earlier cycles, `plan` is what was driven. Where that was nothing, it is undefined, and so is what asks for nothing else, as "
-        "`historically[0 s, 1 s] plan.first.v < 5 m/s`: a Supervisor whose first cycle is not safe then drives in none, because nothing was driven before."
+        "`historically[0 s, 1 s] plan.first.v < 5 m/s`: a Supervisor whose first cycle is not safe then drives in none, because nothing was driven before. "
+        "A `count` takes each such cycle for one that may count: behind as many as its limit allows, nothing is known of it, and more of them follow."
     )
 
     span: Span

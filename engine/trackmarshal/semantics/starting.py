@@ -52,12 +52,31 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
             return _each(max, spared, _may_be(node.body, present))
         case ir.OverRun():
             return _over_run(node, present)
+        case ir.Counted() if present and _grows_past(node):
+            return frozenset((_FALSE, _UNKNOWN))
         case ir.Quantify() | ir.Counted() | ir.InState():
             return _ANY  # a set may be empty, a count far from its limit, a machine in a state that nothing leads out of
         case _ if recalls(node):
             return _ANY
         case _:
             raise AssertionError(f"{type(node).__name__} is put together from no formulas over the run")
+
+
+def _grows_past(node: ir.Counted) -> bool:
+    """Whether a count has an upper limit that cycles in which nothing was driven take it beyond, as each of them is one that may count.
+
+    How many come is not known: at least one a second.
+    """
+    if (
+        node.op not in ("<", "<=")
+        or node.turned
+        or len(node.operands) > 1
+        or not isinstance(node.limit, ir.Const)
+    ):
+        return False
+    if node.upper is not None and node.upper <= (node.limit.value + 1.0) * 1e9:
+        return False
+    return _may_be(node.operands[0], False) == {_UNKNOWN}
 
 
 def _over_run(node: ir.OverRun, present: bool) -> Truths:
