@@ -63,8 +63,33 @@ size_t probe_client(void) { return sizeof(tml_client); }
 const unsigned char *probe_out(const tml_desk *desk) { return desk->out.bytes; }
 uint64_t probe_refused(const tml_client *client, size_t cause) { return client->refused[cause]; }
 """
+#: The process itself, which tells Python of each look into a mailbox.
+SERVE = """
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#include "mailbox.h"
+static bool probe_get(const tml_region *region, const tml_box *box, uint64_t *seen, tml_message *into, tml_cause *cause);
+#define main process_main
+#define tml_get probe_get
+#include "process.c"
+#undef tml_get
+void (*probe_looked)(void) = NULL;
+static bool probe_get(const tml_region *region, const tml_box *box, uint64_t *seen, tml_message *into, tml_cause *cause) {
+  const bool found = tml_get(region, box, seen, into, cause);
+  probe_looked();
+  return found;
+}
+void probe_end(void) { ending = 1; }
+bool probe_serve(const char *name) {
+  const char *which;
+  ending = 0;
+  if (!tml_desk_start(&desk, 77u, true, &which) || !shared_memory(name)) { return false; }
+  serve_memory(TML_WAIT_POLL);
+  return true;
+}
+"""
 FENCED = "void probe_fence(int);\n#define __atomic_thread_fence(order) probe_fence(order)\n"
-UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "supervisor.c", "probe.c")
+UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "supervisor.c", "probe.c", "serve.c")
 FETCH = ctypes.CFUNCTYPE(
     ctypes.c_bool, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.POINTER(ctypes.c_size_t)
 )
@@ -82,7 +107,13 @@ class C:
         source = generate(spec, list(spec.rules), doored=True)
         made = Emitted(source, asdict(LIMITS))
         self.layout = Layout(made.description)
-        files = {"supervisor.h": source.header, "supervisor.c": source.source, "probe.c": PROBE, **made.files}
+        files = {
+            "supervisor.h": source.header,
+            "supervisor.c": source.source,
+            "probe.c": PROBE,
+            "serve.c": SERVE,
+            **made.files,
+        }
         files["mailbox.c"] = FENCED + files["mailbox.c"]
         flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
         self.dll: Any = ctypes.CDLL(str(_built(files, [*UNITS, "-lm"], flags, "so")))
@@ -94,7 +125,7 @@ class C:
             "tml_desk_overdue": [ctypes.c_void_p], "tml_region_open": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_bool, ctypes.c_bool, ctypes.c_void_p],
             "tml_get": [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
             "tml_client_memory": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p],
-            "tml_client_tick": [ctypes.c_void_p], "tml_client_hear": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
+            "probe_serve": [ctypes.c_char_p], "tml_client_tick": [ctypes.c_void_p], "tml_client_hear": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
             "tml_client_answer": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_double, ctypes.c_char_p],
         }.items():  # fmt: skip
             getattr(self.dll, name).argtypes = kinds
@@ -118,11 +149,10 @@ class C:
         at = ctypes.addressof(ctypes.c_char.in_dll(self.dll, f"tml_{file}_boxes"))
         return at + 40 * [box["name"] for box in boxes].index(name)
 
-    def hooked(self, hook: Callable[[], None] | None) -> Any:
-        """Ask Python at every fence; what is returned has to be kept as long as it is asked."""
+    def hooked(self, hook: Callable[[], None] | None, where: str = "probe_hook") -> Any:
+        """Ask Python at every fence, or look; what is returned has to be kept as long as it is asked."""
         called = HOOK() if hook is None else HOOK(hook)
-        HOOK.in_dll(self.dll, "probe_hook").value = None  # type: ignore[attr-defined]
-        ctypes.c_void_p.in_dll(self.dll, "probe_hook").value = ctypes.cast(called, ctypes.c_void_p).value
+        ctypes.c_void_p.in_dll(self.dll, where).value = ctypes.cast(called, ctypes.c_void_p).value
         return called
 
     def room(self, message: bytes = b"") -> Any:
@@ -425,6 +455,8 @@ def test_what_a_message_does_not_have_is_a_fault(
     *lines, (_, cycle) = planner.cycle(0)
     message = bytearray(cycle)
     kind.put(message, entry, value)
+    if entry == "signals.stop/present":  # what is not there is not asked for
+        kind.put(message, "signals.stop.line", 99)
     said = desk.decided([*lines, ("cycle", c.sealed("cycle", message, 1000, 9, 0.0))])
     layout = c.layout
     found = [
@@ -505,11 +537,11 @@ def _edges(c: C) -> Iterator[Edge]:
         yield kind, name, place, good, bad, {}
     for group in ("driving", "fallback"):
         for place, due, bad_due in (
-            (7, 6.5, 6.0),
-            (7, 9e8, 1e9 + 6.0),
-            (7, 7.0, math.inf),
-            (0, -1.0, math.nan),
-            (0, -1.0, 1.0),
+            (7, -1.5, -2.0),
+            (7, 9e8, 1e9 - 2.0),
+            (7, -1.0, math.inf),
+            (0, -9.0, math.nan),
+            (0, -9.0, -7.0),
         ):
             yield "decision", f"{group}/due", place, due, bad_due, {}
 
@@ -523,14 +555,17 @@ def test_c_and_python_draw_the_same_line(c: C) -> None:
             message = bytearray(kind.length)
             if name == "cycle":
                 kind.put(message, "found_count", 65)
-                kind.put(message, "found_name", [1] * 65)
+                for one in ("found_name", "found_signal"):  # what is behind the last name would do as one
+                    kind.put(message, one, [1] * 65)
             if name == "line":
                 kind.put(message, "line_version", 1)
             if name == "decision":
                 kind.put(message, "reason_count", 64)
                 for group in ("driving", "fallback"):
                     kind.put(message, f"{group}/count", 8)
-                    kind.put(message, f"{group}/due", [float(k) for k in range(8)])
+                    kind.put(
+                        message, f"{group}/due", [k - 8.0 for k in range(8)]
+                    )  # the number behind them would do as one
                 for one in ("safe", "driven", "stored", "serial", "about_sequence"):
                     kind.put(message, one, beside.get(one, 1))
             if kind.entries[entry].array:
@@ -544,6 +579,36 @@ def test_c_and_python_draw_the_same_line(c: C) -> None:
             assert (c.dll.tml_sound(c.room(data)) == 0) is sound, (name, entry, value, beside)
             if not kind.up:
                 assert (layout.look(data, up=False)[0] == "none") is sound, (name, entry, value, beside)
+
+
+def test_what_is_no_message(c: C) -> None:
+    """It has a whole head, is as long as that says, which is as long as its kind is, and nothing in it was changed."""
+    kind = c.layout.kinds["tick"]
+    data = c.sealed("tick", bytearray(kind.length), 1, 1, 0.0)
+
+    def look(given: bytes, up: bool = True) -> str:
+        cause: str = c.layout.causes[c.dll.tml_look(c.room(given), len(given), up)]
+        assert cause == c.layout.look(given, up)[0]
+        return cause
+
+    given = [look(data), look(data, False), look(data[:-1]), look(data + b"\0"), look(b"")]
+    assert given == ["none", "kind", "size", "size", "size"]
+    for place, cause in (
+        (0, "magic"),
+        (4, "crc"),
+        (8, "version"),
+        (10, "kind"),
+        (12, "length"),
+        (16, "layout"),
+        (24, "crc"),
+        (47, "crc"),
+    ):
+        changed = bytearray(data)
+        changed[place] ^= 64
+        assert look(bytes(changed)) == cause
+    longer = bytearray(data + bytes(8))
+    longer[12] += 8  # as long as it says, and of no kind
+    assert look(bytes(longer)) == "length"
 
 
 @pytest.mark.parametrize(
@@ -690,6 +755,33 @@ def test_what_is_written_while_it_is_read_is_not_taken(
     assert get() == (True, 9, "none", b"i")
     writing.close()
     reading.close()
+
+
+@pytest.mark.parametrize("look", [0, 1, 2, 3])
+def test_a_tick_that_follows_a_cycle_does_not_overtake_it(look: int, c: C, tmp_path: Path) -> None:
+    """Whenever both come between two looks of the process: the cycle was refused then, as one that is not newer than the tick."""
+    planner, looks, writing = Planner(c.layout), list[int](), list[Region]()
+
+    def looked() -> None:
+        looks.append(len(looks))
+        if looks[-1] == look:
+            writing.append(Region(c.layout, "cycles", str(tmp_path / "one.cycles"), True))
+            for box, data in [*planner.cycle(0), ("tick", planner.tick(0.0))]:
+                writing[0].put(box, bytearray(data))
+        if looks[-1] == look + 6:
+            c.dll.probe_end()
+
+    kept = c.hooked(looked, "probe_looked")
+    assert c.dll.probe_serve(bytes(tmp_path / "one"))
+    assert kept is not None
+    reading = Region(c.layout, "decisions", str(tmp_path / "one.decisions"), False)
+    found = [c.layout.look(reading.get(box, 0)[1] or b"", up=False)[1] for box in ("decision", "beat")]
+    assert found[0] is not None
+    assert found[1] is not None
+    assert (found[0]["about_sequence"], found[0]["safe"]) == (4, 1)
+    assert (found[1]["heard"], sum(found[1]["refused"])) == (5, 0)
+    reading.close()
+    writing[0].close()
 
 
 # The client -------------------------------------------------------------------------------------------------------------

@@ -26,6 +26,7 @@
 
 static tml_desk desk; /* these are too large for many a stack */
 static tml_message message;
+static tml_message tick;
 static volatile sig_atomic_t ending = 0;
 
 static void end(int number) {
@@ -104,6 +105,9 @@ static void serve_memory(tml_waiting how) {
     const uint32_t heard = tml_bell(&cycles);
     tml_cause cause;
     bool busy = false;
+    /* A tick is looked for first and taken last: a cycle that was sent before it is there by then, and would not be newer than it. */
+    const bool ticked = tml_get(&cycles, TML_BOX_TICK, &tick_seen, &tick, &cause);
+    if (cause != TML_CAUSE_NONE) { ++desk.refused[cause]; }
     if (tml_get(&cycles, TML_BOX_CYCLE, &cycle_seen, &message, &cause)) {
       busy = true;
       if (tml_desk_take(&desk, &message, TML_BOX_CYCLE->length, FETCH, NULL, &cause)) { tml_put(&decisions, TML_BOX_DECISION, &desk.out); }
@@ -112,13 +116,9 @@ static void serve_memory(tml_waiting how) {
     } else {
       /* nothing new */
     }
-    if (tml_get(&cycles, TML_BOX_TICK, &tick_seen, &message, &cause)) {
+    if (ticked) {
       busy = true;
-      (void)tml_desk_take(&desk, &message, TML_BOX_TICK->length, NULL, NULL, &cause);
-    } else if (cause != TML_CAUSE_NONE) {
-      ++desk.refused[cause];
-    } else {
-      /* nothing new */
+      (void)tml_desk_take(&desk, &tick, TML_BOX_TICK->length, NULL, NULL, &cause);
     }
     if (tml_desk_overdue(&desk)) { tml_put(&decisions, TML_BOX_DECISION, &desk.out); }
     if ((desk.simulated && busy) || (monotonic() >= beat)) {
