@@ -111,7 +111,7 @@ def joined(kind: type[Any], function: Any, cycles: Sequence[Any], empty: Any) ->
 
 
 #: A cycle that counts, and starts the count anew, surely, possibly or not; or so many that are missing, and whether the count may start anew.
-CYCLES = [*product(KLEENE, KLEENE), *product((1, 2), ("may", "not"))]
+CYCLES: list[tuple[Any, Any]] = [*product(KLEENE, KLEENE), *product((1, 2), ("may", "not"))]
 
 
 def numbers(cycles: Sequence[tuple[Any, Any]]) -> set[int]:

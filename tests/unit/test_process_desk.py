@@ -363,7 +363,6 @@ def test_a_cycle_has_the_lines_of_its_own_client_or_none(c: C) -> None:
     assert (said["safe"], said["wanted"], sorted(faults(said))) == (0, 0, ["bad_border", "missing"])
     lines = dict(enumerate(data for _, data in Planner(c.layout, 1002).cycle(2)[:-1]))
 
-    @FETCH
     def fetch(_: Any, slot: int, into: int, size: Any) -> bool:
         ctypes.memmove(into, lines[slot], len(lines[slot]))
         size[0] = len(lines[slot])
@@ -372,7 +371,7 @@ def test_a_cycle_has_the_lines_of_its_own_client_or_none(c: C) -> None:
     other.client._forget(0b111)
     other.client._versions = [0, 0, 0]
     *_, cycle = other.cycle(2)
-    said = desk.decided([cycle], fetch)
+    said = desk.decided([cycle], FETCH(fetch))
     assert (said["about_session"], said["safe"], said["wanted"]) == (
         1001,
         0,
@@ -409,7 +408,6 @@ def test_a_line_that_is_not_known_is_fetched(c: C) -> None:
     asked: list[int] = []
     given = dict(enumerate(data for _, data in lines))
 
-    @FETCH
     def fetch(_: Any, slot: int, into: int, size: Any) -> bool:
         asked.append(slot)
         if slot in given:
@@ -417,16 +415,16 @@ def test_a_line_that_is_not_known_is_fetched(c: C) -> None:
             size[0] = len(given[slot])
         return slot in given
 
-    said = desk.decided([cycle], fetch)
+    said = desk.decided([cycle], FETCH(fetch))
     assert (said["safe"], said["wanted"], asked) == (1, 0, [0, 1, 2])
     asked.clear()
-    assert desk.decided(planner.cycle(1), fetch)["safe"] == 1
+    assert desk.decided(planner.cycle(1), FETCH(fetch))["safe"] == 1
     assert asked == []
     planner.client._forget(0b111)
     *lines, cycle = planner.cycle(2)
     # Of another slot; something else; nothing.
     given = {0: lines[1][1], 1: planner.tick(0.2)}
-    said = desk.decided([cycle], fetch)
+    said = desk.decided([cycle], FETCH(fetch))
     assert (said["safe"], said["wanted"], asked) == (0, 0b111, [0, 1, 2])
     beat = desk.beat()
     assert beat["refused"][c.layout.causes.index("kind")] == 2
@@ -840,7 +838,7 @@ class CClient:
         self._alive.append((kind * max(1, len(values)))(*values))
         return ctypes.addressof(self._alive[-1])
 
-    def part(self, kind: type[ctypes.Structure], *values: Any) -> int:
+    def part(self, kind: Any, *values: Any) -> int:
         self._alive.append(kind(*values))
         return ctypes.addressof(self._alive[-1])
 
@@ -907,6 +905,9 @@ def test_c_and_python_send_the_same(planner: CClient) -> None:
     }  # fmt: skip
     ids, a, b, shy = x([7, 8], ctypes.c_uint64), x([50.0, 60.0]), x([1.0, 2.0]), x([0, 1], ctypes.c_byte)
     without, many = {**PLAN, "v": None}, [float(k) for k in range(1, 40)]
+    changes: dict[str, Any]
+    driving: Any
+    signals: dict[str, Any]
     for changes, driving, signals in (
         ({}, PLAN, {}),
         ({"driving": None}, None, {}),
@@ -989,7 +990,7 @@ def test_faults_that_c_has_found(planner: CClient) -> None:
     said = planner.send(found=planner.part(Fault * 4, *given), found_count=4)["cycle"]
     signals, fields = len(layout.signals), len(layout.fields)
     ego, lit = layout.signals.index("ego"), layout.fields.index("lit")
-    found = [list(said[f"found_{name}"][:5]) for name in ("name", "signal", "field", "index")]
+    found: Any = [list(said[f"found_{name}"][:5]) for name in ("name", "signal", "field", "index")]
     assert found == [
         [1, unknown, most - 1, unknown, 0], [ego, signals, signals, ego, 0], [lit, fields, fields, 0, 0], [0, -1, 5, 1, 0]
     ]  # fmt: skip
