@@ -14,7 +14,7 @@ from support.length import amount
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator, loads
 
-SEEDS = amount(range(12), range(600))
+SEEDS = amount(range(22, 36), range(600))
 RULES = 3
 DEPTH = 3
 C = pytest.param(

@@ -20,7 +20,7 @@ from trackmarshal.backends.c.build import compiler
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 
-SEEDS = amount(range(12), range(400))
+SEEDS = amount(range(42, 54), range(400))
 NAMES = tuple(f"f{number}" for number in range(6))
 C = pytest.param(
     "c", marks=[pytest.mark.acceptance, pytest.mark.skipif(compiler() is None, reason="no C compiler")]
@@ -101,8 +101,11 @@ def test_what_is_better(backend: str) -> None:
                 ours = one.outcome(mine, theirs, sizes)
                 assert found == ours, (seed, one.text, i, j, found, ours, mine, theirs, text)
                 seen[found] += 1
-            choice = tm.choose(ranks, results)
-            assert list(choice.best) == one.best(candidates, sizes), (seed, one.text, candidates, text)
+            runs = [slice(0, 2), slice(2, 4), slice(4, 6)]  # over the cycles of a run, the worst counts
+            worst = [{name: max(said[name] for said in candidates[run]) for name in NAMES} for run in runs]
+            for many, kept in ((results, candidates), ([results[run] for run in runs], worst)):
+                best = list(tm.choose(ranks, many).best)
+                assert best == one.best(kept, sizes), (seed, one.text, best, kept, text)
     assert set(seen) == {"better", "worse", "equal", "incomparable"}, seen
 
 
