@@ -905,7 +905,6 @@ def test_c_and_python_send_the_same(planner: CClient) -> None:
     }  # fmt: skip
     ids, a, b, shy = x([7, 8], ctypes.c_uint64), x([50.0, 60.0]), x([1.0, 2.0]), x([0, 1], ctypes.c_byte)
     without, many = {**PLAN, "v": None}, [float(k) for k in range(1, 40)]
-    changes: dict[str, Any]
     driving: Any
     signals: dict[str, Any]
     for changes, driving, signals in (
@@ -929,15 +928,15 @@ def test_c_and_python_send_the_same(planner: CClient) -> None:
          {"objects": {"id": range(1, 6), "x": many[:5], "v": many[:5], "shy": [True] * 5}, "marks": None}),
     ):  # fmt: skip
         y.channel.kept.clear()
-        numbered, came = changes.get("numbered", True), changes.get("came", True)
-        emergency = changes.get("emergency", PLAN)
+        whole: dict[str, Any] = {"numbered": True, "came": True, "emergency": PLAN, **changes}
+        numbered = whole["numbered"]
         y.client.send(
             5 if numbered else None,
             0.5 if numbered else None,
             driving,
-            emergency,
+            whole["emergency"],
             {**plain, **signals},
-            came=came,
+            came=whole["came"],
         )
         said = planner.send(**changes)
         assert said["cycle"].data[48:] == y.channel.kept[-1][1][48:], changes
