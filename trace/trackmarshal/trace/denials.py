@@ -33,6 +33,12 @@ _WORD = re.compile(r"[\w-]+")
 #: Files that programs read, in which words such as `todo` are names.
 _DATA = (".json", ".jsonl", ".csv", ".tsv", ".xml", ".yaml", ".yml")
 
+#: Of what a page says gladly that there is none: a list, or a heading, of what went wrong.
+_GLAD = re.compile(
+    r"\b(?:deviations?|anomal(?:y|ies)|findings?|defects?|failures?|faults?|errors?|issues?|bugs?|violations?|accidents?|incidents?|limitations?|objections?|remarks?|"
+    r"restrictions?|exceptions?|nonconformit(?:y|ies)|open points?|known problems?)[^\w.;]+(there (?:is|are) none)\b",
+    re.IGNORECASE,
+)
 #: What stands within words, and nobody sees: soft hyphens, joiners, blanks of no width.
 _UNSEEN = re.compile("[\u00ad\u200b-\u200f\u2060-\u2064\ufeff]")
 
@@ -70,12 +76,14 @@ def _pattern(said: tuple[str, ...]) -> re.Pattern[str]:
 
 def _phrase(said: str) -> str:
     """A phrase as a regular expression: `a|b` is the one or the other, with `?` behind it it may be missing, with `!` before it it may not follow, or
-    as the first word come before."""
+    as the first word come before; behind `!...`, no word may follow."""
     made, gap = "", ""
     for word in said.split():
         some = "(?:" + "|".join(map(re.escape, word.strip("!?").split("|"))) + ")"
         if word.startswith("!") and not made:
             made = "".join(rf"(?<!\b{re.escape(before)}\s)" for before in word.strip("!").split("|"))
+        elif word == "!...":
+            made += r"(?!\s\w)"
         elif word.startswith("!"):
             made += rf"(?!\s+{some}(?![\w-]))"
         elif not word.endswith("?"):
@@ -215,7 +223,12 @@ def _decoded(data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    return "" if _BINARY.search(text) else _UNSEEN.sub("", text)
+    return "" if _BINARY.search(text) else _GLAD.sub(_left_out, _UNSEEN.sub("", text))
+
+
+def _left_out(glad: re.Match[str]) -> str:
+    """What stands there, with blanks in place of what denies nothing: all else stays where it is."""
+    return glad[0][: -len(glad[1])] + " " * len(glad[1])
 
 
 #: What is said of a document, by what it is to show.
