@@ -221,11 +221,35 @@ def test_one_in_which_something_is_said_is_one(body: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", ["specs/rules.spec", "requirements/criteria.yaml", "./requirements/criteria.yaml"]
+    "path", ["specs/rules.spec", "requirements/criteria.yaml", "./requirements/criteria.yaml", "docs/a.md"]
 )
 def test_what_is_demanded_is_no_argument(path: str, tmp_path: Path) -> None:
-    made = small(tmp_path)
+    """Wherever a link to it stands."""
+    made = small(tmp_path, counts="analysis")
     made.replace("requirements/assurance.yaml", "docs/layout.md", path)
     (made.root / "specs").mkdir(exist_ok=True)
     (made.root / "specs" / "rules.spec").write_text("module rules -- S-1-B-1\n", encoding="utf-8")
+    (made.root / "docs" / "a.md").symlink_to("../specs/rules.spec")
     assert [f.subject for f in trace.gate(made.matrix()) if f.code == "T256"] == ["AN-1"]
+    assert cell(made) == ("partial", ["AN-1: its document says what is demanded"])
+
+
+@pytest.mark.parametrize(
+    ("path", "status", "detail"),
+    [
+        ("requirements/criteria.yaml", "missing", "says what is demanded"),
+        ("requirements/baseline.json", "missing", "says what is demanded"),
+        ("docs/a.md", "missing", "says what is demanded"),
+        ("requirements/drives.json", "covered", ""),  # nothing is read of it: it demands nothing
+    ],
+)
+def test_what_is_demanded_covers_no_cell(path: str, status: str, detail: str, tmp_path: Path) -> None:
+    made = small(tmp_path, counts="document")
+    made.replace("requirements/v-model.yaml", "evidence:\n", f"evidence:\n  - {{path: {path}, title: all of it, stage: S-2-A, requirements: [S-1-B-1]}}\n")  # fmt: skip
+    (made.root / "requirements" / "drives.json").write_text('{"S-1-B-1": "12 of 12"}', encoding="utf-8")
+    (made.root / "docs" / "a.md").symlink_to("../requirements/criteria.yaml")
+    found = [f"{item.name}: {item.detail}" for row in made.matrix().rows if row.requirement.id == "S-1-B-1" for item in row.cells["S-2-A"].items]  # fmt: skip
+    assert f"{path}: {detail}" in found
+    assert ("T256" in {f.code for f in made.matrix().findings}) is (status == "missing")
+    row = next(row for row in made.matrix().rows if row.requirement.id == "S-1-B-1")
+    assert {item.status for item in row.cells["S-2-A"].items if item.name == path} == {status}

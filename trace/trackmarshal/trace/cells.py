@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.records import SpecItem
 from trackmarshal.trace import design, external, faults
-from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.files import Hashes, demanding
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Link
 from trackmarshal.trace.model import Project, Requirement, Stage, matches
@@ -177,6 +177,8 @@ def _document(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
             actual = ground.hashes.get(entry.path)
             if not actual:
                 status, detail = "missing", "not there" if actual is None else "says nothing"
+            elif demanding(entry.path) in ground.hashes:
+                status, detail = "missing", "says what is demanded"
             elif entry.sha256 and actual != entry.sha256:
                 status, detail = "stale", "changed since it was reviewed"
             elif (str(entry.path), str(requirement.id)) in ground.outside.denials:
@@ -225,6 +227,8 @@ def _assumption(ground: Ground, requirement: Requirement, stage: Stage) -> Proof
         elif not ground.hashes.get(item.evidence):
             there = ground.hashes.get(item.evidence) is not None
             lacks.append(f"`{item.evidence}` {'says nothing' if there else 'is not there'}")
+        elif demanding(item.evidence) in ground.hashes:
+            lacks.append(f"`{item.evidence}` says what is demanded")
         elif (item.evidence, item.name) in ground.outside.denials:
             lacks.append(f"`{item.evidence}` says that there is no evidence")
         return ("partial", ", ".join(lacks)) if lacks else ("covered", f"{item.owner}; {item.evidence}")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from trackmarshal.trace.files import demanding
 from trackmarshal.trace.findings import Place
-from trackmarshal.trace.graph.graph import Link
 from trackmarshal.trace.sections import key
 
 if TYPE_CHECKING:
@@ -44,21 +44,19 @@ def analyses(ground: Ground, requirement: str) -> Iterator[Said]:
         if node is None:
             yield link.target[1], "", "missing", "no such analysis", link.place
             continue
+        paths = [str(k.target[1]) for k in ground.out_of(link.target, "backed_by")]
         left = node.attributes.get("open", "")
         if left:
             status, detail = "partial", f"left open: {left}"
-        elif not _written(ground, link):
+        elif not any(map(ground.hashes.get, paths)):
             status, detail = "partial", "its document is not there, or it has none"
+        elif all(demanding(path) in ground.hashes for path in paths):
+            status, detail = "partial", "its document says what is demanded"
         elif node.attributes.get("outcome") != "complete":
             status, detail = "partial", "its document says that there is none"
         else:
             status, detail = "covered", "nothing is left open"
         yield node.id, node.title, status, detail, node.place
-
-
-def _written(ground: Ground, link: Link) -> bool:
-    """Whether an analysis is written down somewhere that is there."""
-    return any(ground.hashes.get(str(k.target[1])) for k in ground.out_of(link.target, "backed_by"))
 
 
 __all__ = ["analyses", "elements"]

@@ -35,6 +35,7 @@ def hashes(root: Path, project: Project, items: Iterable[SpecItem]) -> Hashes:
         for path in sorted(paths | documents)
         if found[path] is None and _outside(root, path)
     }
+    found |= {demanding(path): "" for path in sorted(documents) if _demands(root, path, project)}
     about: dict[str, set[str]] = {}
     for e in project.evidence:
         about.setdefault(str(e.path), set()).update(map(str, e.requirements))
@@ -52,6 +53,11 @@ def naming(path: str) -> str:
 def led_out(path: str) -> str:
     """Where, beside hashes, it stands that a path leads by a link to a file out of the project, which is none of it."""
     return f"{path}: out of the project"
+
+
+def demanding(path: str) -> str:
+    """Where, beside hashes, it stands that a document says what is demanded, which shows nothing of it."""
+    return f"{path}: what is demanded"
 
 
 def lacking(path: str, found: Hashes) -> str:
@@ -154,16 +160,16 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             message = f"the evidence `{entry.path}` has changed since it was reviewed"
             help_ = f"review it again, then set `sha256: {actual}`"
             yield error("T251", message, entry.path.place, help_, entry.path)
-        if _demands(entry.path):
+        if demanding(entry.path) in found:
             yield _demanded(entry.path, f"of {_requirements(entry)}", entry.path.place, str(entry.path))
     for made, path in _written_down(project):
-        if made.kind in ("analysis", "review") and _demands(path):
+        if made.kind in ("analysis", "review") and demanding(path) in found:
             yield _demanded(path, f"of the {made.kind} `{made.id}`", path.place, str(made.id))
         if not found.get(path):
             message = f"the document `{path}` of the {made.kind} `{made.id}` {lacking(path, found)}"
             yield error("T250", message, path.place, "write it, or strike the entry", path)
     for item in spec.by_name.values():
-        if item.kind == "assume" and _demands(item.evidence):
+        if item.kind == "assume" and demanding(item.evidence) in found:
             yield _demanded(item.evidence, f"of the assumption `{item.name}`", item_place(item), item.name)
         if item.kind == "assume" and item.evidence and not found.get(item.evidence):
             lacks = lacking(item.evidence, found)
@@ -173,11 +179,19 @@ def check(project: Project, spec: Spec, found: Hashes) -> Iterator[Finding]:
             )
 
 
-def _demands(path: str) -> bool:
-    """Whether a file says what is demanded: a spec, or one of the documents that stand in the folder of requirements."""
-    whole = PurePosixPath(path)
-    suffix = whole.suffix.lower()
-    return suffix == ".spec" or (whole.parts[:1] == (FOLDER,) and suffix in (".yaml", ".yml", ".json"))
+def _demands(root: Path, path: str, project: Project) -> bool:
+    """Whether a file, or what a link leads to, says what is demanded: a spec, one of the documents that stand in the folder of requirements, or the baseline of
+    these."""
+    try:
+        whole = (root / path).resolve().relative_to(root.resolve())
+    except (OSError, ValueError, RuntimeError):
+        return False  # out of the project, which is said there
+    return any(
+        one.suffix.lower() == ".spec"
+        or (one.parts[:1] == (FOLDER,) and one.suffix.lower() in (".yaml", ".yml"))
+        or one.as_posix() == project.baseline
+        for one in (PurePosixPath(path), whole)
+    )
 
 
 def _requirements(entry: Evidence) -> str:

@@ -18,7 +18,7 @@ from trackmarshal.records import (
 )
 from trackmarshal.trace import faults
 from trackmarshal.trace.external import External, worst
-from trackmarshal.trace.files import Hashes
+from trackmarshal.trace.files import Hashes, demanding
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import works
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
@@ -211,13 +211,15 @@ class _Building:
             )  # fmt: skip
 
     def _of_argument(self, entry: Entry) -> str:
-        """What came of an analysis: it left something open, is written down nowhere, which a document that says that there is none is, or is complete."""
+        """What came of an analysis: it left something open, is written down nowhere, which a document that says that there is none is, or is complete.
+        A document that says what is demanded is none."""
         if "open" in entry.attributes:
             return "open"
         paths = [str(path) for kind, path in entry.links if kind == "backed_by"]
         if any((path, str(entry.id)) in self.around.denials for path in paths):
             return "not written down"
-        return "complete" if any(map(self.hashes.get, paths)) else "not written down"
+        written = any(self.hashes.get(path) and demanding(path) not in self.hashes for path in paths)
+        return "complete" if written else "not written down"
 
     def _of_analysis(self, entry: Entry) -> str:
         """The fingerprint of an analysis: its title, what it leaves open, and what stands in its document, which is what a review of it reads; "" without one."""
