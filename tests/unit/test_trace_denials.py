@@ -129,6 +129,16 @@ def about(
         ("- S-2: report 7\n- S-1: to be announced\n", True),
         ("| S-1 | report 7 |\n| S-2 | tbd |\n", False),
         ("| S-2 | report 7 |\n| S-1 | tbd |\n", True),
+        ("# S-1\n\n40 drives.\n\n## History\n\n- 0.1: not yet measured\n- 1.0: S-1 by report 7\n", False),
+        ("# Drives\n\n40 in time.\n\nRevision history\n---\n\n| 0.1 | S-1 tbd |\n", False),
+        (
+            "# Drives\r\n\r\n40 in time.\r\n\r\n# 2.1 Change history\r\n\r\nS-1: tbd\r\n\r\n## v1\r\n\r\nS-1: tbd\r\n",
+            False,
+        ),
+        ("# History\n\n- 0.1: not yet measured\n", True),  # there is nothing else
+        ("Drives\n======\n\n# History\n\n- 0.1: not yet measured\n", True),
+        ("# S-1\n\n40 drives.\n\n## History\n\n- 1.0\n\n## In the heat\n\nNot yet measured.\n", True),
+        ("# S-1\n\n40 drives.\n\n## History of S-1\n\nNot yet measured.\n", True),
         ("S-1 is shown by report 7.\n\n# Limits\n\nHeat: not yet measured.\n", False),
     ],
 )

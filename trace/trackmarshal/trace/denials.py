@@ -39,6 +39,11 @@ _GLAD = re.compile(
     r"restrictions?|exceptions?|nonconformit(?:y|ies)|open points?|known problems?)[^\w.;]+(there (?:is|are) none)\b",
     re.IGNORECASE,
 )
+#: Headings of what was so in earlier versions of a page.
+_HISTORY = re.compile(
+    r"[\s#*_]*(?:\d[\d.]*\s+)?(?:(?:document|revision|version|change|release)s?\s+)?history[\s#*_:]*",
+    re.IGNORECASE,
+)
 #: What stands within words, and nobody sees: soft hyphens, joiners, blanks of no width.
 _UNSEEN = re.compile("[\u00ad\u200b-\u200f\u2060-\u2064\ufeff]")
 
@@ -223,12 +228,27 @@ def _decoded(data: bytes) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = data.decode("latin-1")
-    return "" if _BINARY.search(text) else _GLAD.sub(_left_out, _UNSEEN.sub("", text))
+    return "" if _BINARY.search(text) else _present(_GLAD.sub(_left_out, _UNSEEN.sub("", text)))
 
 
 def _left_out(glad: re.Match[str]) -> str:
     """What stands there, with blanks in place of what denies nothing: all else stays where it is."""
     return glad[0][: -len(glad[1])] + " " * len(glad[1])
+
+
+def _present(text: str) -> str:
+    """A text with blanks in place of its history, as what was not there then may be now; all of it where it says nothing else."""
+    if "history" not in text.lower():
+        return text
+    level, rest, kept = 0, False, list(text)
+    for start, depth, block in _blocks(text):
+        if depth and not 0 < level < depth:
+            level = depth if _HISTORY.fullmatch(block.splitlines()[0]) else 0
+        elif level:
+            kept[start : start + len(block)] = re.sub(r"[^\s#]", " ", block)
+        else:
+            rest = rest or (not depth and re.search(r"\w", block) is not None)
+    return "".join(kept) if rest else text
 
 
 #: What is said of a document, by what it is to show.
