@@ -95,6 +95,14 @@ def test_it_says_so_in_any_encoding(encoding: str, tmp_path: Path) -> None:
     assert list(denials.load(tmp_path, [CLAIM])) == [("seen.md", "A-SEEN")]
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_in_any_encoding_pages_are_read_alike(encoding: str, tmp_path: Path) -> None:
+    (tmp_path / "seen.md").write_bytes("Not yet mea\u00adsured.".encode(encoding))
+    assert list(denials.load(tmp_path, [CLAIM])) == [("seen.md", "A-SEEN")]
+    (tmp_path / "seen.md").write_bytes("# Deviations\n\nThere are none.".encode(encoding))
+    assert denials.load(tmp_path, [CLAIM]) == {}
+
+
 def test_however_long_it_is(tmp_path: Path) -> None:
     (tmp_path / "seen.md").write_text("Not yet measured." + " " * 1_000_001)
     assert list(denials.load(tmp_path, [CLAIM])) == [("seen.md", "A-SEEN")]

@@ -215,9 +215,10 @@ def _text(root: Path, path: str) -> str:
         if not whole.is_relative_to(root.resolve()) or whole.stat().st_size > sections.LARGEST:
             return ""
         data = read_regular(whole)
-        return _decoded(data)
+        text = _decoded(data)
     except (OSError, ValueError, RuntimeError):
         return ""
+    return "" if _BINARY.search(text) else _present(_GLAD.sub(_left_out, _UNSEEN.sub("", text)))
 
 
 def _decoded(data: bytes) -> str:
@@ -225,10 +226,9 @@ def _decoded(data: bytes) -> str:
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return data.decode("utf-16", "replace")
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        text = data.decode("latin-1")
-    return "" if _BINARY.search(text) else _present(_GLAD.sub(_left_out, _UNSEEN.sub("", text)))
+        return data.decode("latin-1")
 
 
 def _left_out(glad: re.Match[str]) -> str:
