@@ -145,12 +145,12 @@ def worst(statuses: Sequence[str]) -> str:
     return min(statuses, key=STATUSES.index)
 
 
-__all__ = [
-    "ANSWERED", "BESIDE", "COUNTER", "KINDS", "LINKS", "OPEN", "RESERVED", "STATUSES", "SUPPORTED", "UNSUPPORTED", "UPHELD", "Case",
-    "Element", "Evidence", "Link", "Module", "Point", "worst",
-]  # fmt: skip
-
-
 def a_kind(kind: str) -> str:
     """A kind of element or thing with its article, as messages call it."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
+__all__ = [
+    "ANSWERED", "BESIDE", "COUNTER", "KINDS", "LINKS", "OPEN", "RESERVED", "STATUSES", "SUPPORTED", "UNSUPPORTED", "UPHELD", "Case",
+    "Element", "Evidence", "Link", "Module", "Point", "a_kind", "worst",
+]  # fmt: skip
