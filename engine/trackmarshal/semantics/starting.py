@@ -53,7 +53,7 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
         case ir.OverRun():
             return _over_run(node, present)
         case ir.Counted() if present and _grows_past(node):
-            return frozenset((_FALSE, _UNKNOWN))
+            return frozenset((_UNKNOWN, _TRUE if node.turned and node.op != "==" else _FALSE))
         case ir.Quantify() | ir.Counted() | ir.InState():
             return _ANY  # a set may be empty, a count far from its limit, a machine in a state that nothing leads out of
         case _ if recalls(node):
@@ -63,16 +63,11 @@ def _may_be(node: ir.Formula, present: bool) -> Truths:
 
 
 def _grows_past(node: ir.Counted) -> bool:
-    """Whether a count has an upper limit that cycles in which nothing was driven take it beyond, as each of them is one that may count.
+    """Whether cycles in which nothing was driven take a count beyond the number that it is compared with, as each of them is one that may count.
 
     How many come is not known: at least one a second.
     """
-    if (
-        node.op not in ("<", "<=")
-        or node.turned
-        or len(node.operands) > 1
-        or not isinstance(node.limit, ir.Const)
-    ):
+    if node.op == "!=" or len(node.operands) > 1 or not isinstance(node.limit, ir.Const):
         return False
     if node.upper is not None and node.upper <= (node.limit.value + 1.0) * 1e9:
         return False
