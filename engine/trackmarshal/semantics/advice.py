@@ -84,7 +84,9 @@ _MET = {
     "exists": "one for which that does not hold is enough", "where": "all for which that does not hold are in the range",
     "whenever": "the rule applies wherever that does not hold", "except": "all for which that does not hold are left out",
     "once": "a time at which that did not hold is enough", "eventually": "a time at which that does not hold is enough",
-    "within": "a cycle in which that does not hold meets the demand",
+    "within": "a cycle in which that does not hold meets the demand", "until": "a time at which that does not hold ends the wait",
+    "since": "a time at which that did not hold is enough", "count": "all in which that does not hold count",
+    "reset": "the count starts anew wherever that does not hold",
 }  # fmt: skip
 
 

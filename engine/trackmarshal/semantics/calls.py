@@ -13,6 +13,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
 from trackmarshal.ir.spec import Enumeration
+from trackmarshal.semantics.advice import met_by_others
 from trackmarshal.semantics.arguments import counted, given, in_order
 from trackmarshal.semantics.errors import (
     Recursive,
@@ -133,6 +134,8 @@ def _count_of_cycles(
         hint = "write `count(p)`, `count(p, last: 10 s)` or `count(p, reset: q)`"
         at = span if wrong is None else wrong.__dict__["span"]
         self.fail(UnknownReference(at, "`count` takes a formula, and `last` or `reset`", hint))
+    self.advise(met_by_others("count", given[""]))
+    self.advise(met_by_others("reset", given.get("reset")))
     counted, window, reset = self.all(
         lambda: self.formula(given[""], ctx),
         lambda: self.last(given["last"], ctx) if "last" in given else None,

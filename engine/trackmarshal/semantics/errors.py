@@ -875,7 +875,8 @@ class MetByOthers(Diagnostic):
     explanation = (
         "`p implies q` holds where p does not. A demand on all of them needs that; what looks for one, picks some, or leaves some out has hardly "
         "meant those for which p does not hold: `exists o in objects: (p implies q)` is true as soon as there is one of these, and `where p implies q` "
-        "takes in all of them. So it is of `whenever`, `except`, `once`, `eventually`, and of what is to be met `within` a time."
+        "takes in all of them. So it is of `whenever`, `except`, `once`, `eventually`, of what stands behind `until` and `since`, of what a `count` of cycles "
+        "counts or is `reset` by, and of what is to be met `within` a time."
     )
 
     span: Span

@@ -655,6 +655,7 @@ class Expressions:
         return formulas, bounds
 
     def _until(self, expr: ast.Until, ctx: Context) -> typed.Formula:
+        self.advise(met_by_others(expr.op, expr.right))
         (left, right), window = self._over_time((expr.left, expr.right), expr.window, ctx)
         return typed.Until(known(expr.op, UNTIL), ctx.timeline, window, left, right, expr.span)
 
