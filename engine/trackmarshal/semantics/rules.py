@@ -123,7 +123,10 @@ class RuleBuilder:
             self.x.found += vacuous(core, rule, self.x.bounds)
             parts = core.formula, core.active
             over_run = misused(*parts) if core.along is None else misused_along(core.along, *parts)
-            self.x.found += never_starts(core, rule) if over_run is None else [over_run]
+            if over_run is not None:
+                self.x.found.append(over_run)
+            elif text["severity"] != ADVISORY:  # one that never decides keeps nobody from driving
+                self.x.found += never_starts(core, rule)
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
