@@ -6,7 +6,7 @@ Angles and percentages are plain numbers, and stay such: that something is one i
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from typing import TypeGuard, assert_never
 
@@ -90,9 +90,16 @@ _MET = {
 }  # fmt: skip
 
 
-def met_by_others(word: str, condition: ast.Expr | None) -> MetByOthers | None:
-    """What is to be said of an `implies` of which one that meets it is looked for, or those that do are picked."""
+def met_by_others(
+    word: str, condition: ast.Expr | None, sought: Collection[str] | None = None
+) -> MetByOthers | None:
+    """What is to be said of an `implies` of which one that meets it is looked for, or those that do are picked.
+
+    sought: the names of those that are looked for; where its left side is about none of them, no other one meets it.
+    """
     if word not in _MET or not isinstance(condition, ast.Binary) or condition.op != "implies":
+        return None
+    if sought is not None and ast.names_in(condition.left).isdisjoint(sought):
         return None
     return MetByOthers(condition.__dict__["span"], word, _MET[word])
 

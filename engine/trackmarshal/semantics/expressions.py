@@ -779,7 +779,7 @@ class Expressions:
         self.check_used(expr.names, (expr.where, expr.by, expr.body), expr.span.head)
         self.advise(met_by_others("where", expr.where))
         if expr.by is None:  # of the nearest there is one
-            self.advise(met_by_others(expr.quantifier, expr.body))
+            self.advise(met_by_others(expr.quantifier, expr.body, expr.names))
         by, guard, body = self.all(
             lambda: self.number(expr.by, inner) if expr.by is not None else None,
             lambda: self.formula(expr.where, inner) if expr.where is not None else None,
@@ -846,13 +846,8 @@ class Expressions:
 
     def check_used(self, names: tuple[str, ...], parts: tuple[Node | None, ...], span: Span) -> None:
         """Warn of a quantifier none of whose variables is mentioned below."""
-        if all(names_in(part).isdisjoint(names) for part in parts if part is not None):
+        if all(ast.names_in(part).isdisjoint(names) for part in parts if part is not None):
             self.found.append(UnusedVariable(span, "`, `".join(names)))
-
-
-def names_in(part: Node) -> set[str]:
-    """The names that are mentioned in a part of a declaration."""
-    return {node.name for node in part.walk() if isinstance(node, ast.Name)}
 
 
 #: No time that anybody means is longer [s]; a thousand times as long, and no evaluator could count in it.

@@ -25,7 +25,7 @@ from trackmarshal.semantics.errors import (
     UnknownReference,
     UnusedVariable,
 )  # fmt: skip
-from trackmarshal.semantics.expressions import Context, Expressions, any_timeline, names_in
+from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.overrun import misused, misused_along
 from trackmarshal.semantics.starting import never_starts
 from trackmarshal.semantics.vacuity import vacuous
@@ -274,10 +274,12 @@ class RuleBuilder:
         quantifier: typed.ForEach | None = None
         #: What one is looked for by that meets the demand.
         sought = within = ""
+        #: Those that are looked for, and what a `let` says of them.
+        about = set[str]()
         # Of those that stand below the condition that is said; what they bind is known in it all the same.
         scene = [c for c in item.clauses if isinstance(c, _SCENE)]
         clauses = [*scene, *(c for c in item.clauses if isinstance(c, ast.Require))]
-        mentioned = [names_in(clause) for clause in clauses]
+        mentioned = [ast.names_in(clause) for clause in clauses]
         #: By name, how many clauses mention it.
         mentions = Counter(name for names in mentioned for name in names)
         for position, clause in enumerate(clauses):
@@ -300,6 +302,7 @@ class RuleBuilder:
                         )
                         self.x.advise(met_by_others("where", clause.where))
                         sought = clause.quantifier if clause.by is None else ""
+                        about |= set(clause.names) if sought == "exists" else set()
                         guard, by = self._range_condition(clause, ctx)
                         if over is not None:
                             word = known(clause.quantifier, QUANTIFIERS)
@@ -318,6 +321,7 @@ class RuleBuilder:
                         made.append(self.x.deadline(clause.bound, clause.span, ctx))
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
+                        about |= {clause.name} if about & mentioned[position] else set()
                         if mentions[clause.name] == (
                             clause.name in mentioned[position]
                         ):  # by no other clause
@@ -326,7 +330,9 @@ class RuleBuilder:
                         ctx = ctx.bind({clause.name: named(clause.name, value, span_of(value))})
                         made.append(typed.Let(clause.name, value, clause.span))
                     case ast.Require():
-                        self.x.advise(met_by_others(within or sought, clause.condition))
+                        self.x.advise(
+                            met_by_others(within or sought, clause.condition, None if within else about)
+                        )
                         keyword = known(clause.keyword, _KEYWORDS)
                         made.append(
                             typed.Require(keyword, self.x.formula(clause.condition, ctx), clause.span)

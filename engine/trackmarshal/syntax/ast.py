@@ -44,6 +44,11 @@ def span_of(expr: Expr) -> Span:
     return span
 
 
+def names_in(part: Node) -> set[str]:
+    """The names that are mentioned in a part of a declaration."""
+    return {node.name for node in part.walk() if isinstance(node, Name)}
+
+
 def is_parenthesised(expr: Expr) -> bool:
     """Whether the author put an expression in parentheses."""
     return isinstance(expr.__dict__["span"], Parenthesised)
