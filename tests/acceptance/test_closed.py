@@ -34,7 +34,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         OPERATORS,
         [('ConnectiveOp = Literal["and", ', 'ConnectiveOp = Literal["nand", "and", ')],
         {
-            "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/values.py", "backends/c/expressions.py", "backends/over_run/hoping.py",
+            "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/expressions.py", "backends/over_run/hoping.py",
             "backends/witness.py", "explaining/trail.py", "semantics/starting.py",
         },
     ),

@@ -234,7 +234,11 @@ OBJECTS = 'signal objects : set of object { v: m/s, x: m }\nevent fast "f"\n'
         ("  exists    o in objects\n", "fast implies o.x > 3 m", ""),
         ("  for all   o in objects\n  exists    q in objects\n", "o.v > ego.v implies o.x > q.x", ""),
         ("  exists    o in objects\n  exists    q in objects\n", "o.v > ego.v implies o.x > q.x", "exists"),
-        ("  exists    o in objects\n  let far = o.x\n  let off = far - 3 m\n", "off > 3 m implies fast", "exists"),
+        (
+            "  exists    o in objects\n  let far = o.x\n  let off = far - 3 m\n",
+            "off > 3 m implies fast",
+            "exists",
+        ),
     ],
 )
 def test_an_implies_that_others_meet_is_asked_about(
