@@ -263,6 +263,18 @@ def test_rows_are_not_lost_in_a_quotation_that_is_not_closed(tmp_path: Path, row
     assert "quotation" in found.value.message
 
 
+@pytest.mark.parametrize(("at", "note"), [(1, '"box\n12"'), (5, '"gusts, 3\nin all"'), (6, '"to go:\n1, 2"')])
+def test_a_note_of_two_lines_may_end_with_a_number(tmp_path: Path, at: int, note: str) -> None:
+    """Beside the first column or the last one, that one number was taken for a row."""
+    cells = [line.split(",") for line in field_logs.text(CLEAN).splitlines()]
+    for number, row in enumerate(cells):
+        row.insert(at, "" if number else "said")
+    cells[50][at] = note
+    where, file = field_logs.write(tmp_path, CLEAN)
+    file.write_text("".join(",".join(row) + "\n" for row in cells), encoding="utf-8")
+    assert len(log.read(mapping.read(where), file).t) == len(CLEAN["time"])
+
+
 def test_a_bend_that_takes_all_the_grip_is_no_end_of_the_log(tmp_path: Path) -> None:
     """Nothing brakes there at so small a share: it was said that the log ends, and what came behind was gone."""
     columns = field_logs.noisy(field_logs.ring(90.0, 10.0, 20.0, 10.0), 1, 0.02, 0.005, 0.05, 0.005)

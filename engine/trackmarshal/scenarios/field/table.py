@@ -87,18 +87,20 @@ def _no_rows_in_cells(cells: list[str], places: list[int], delimiter: str, shown
     """
     for at, cell in enumerate(cells):
         inner = cell.splitlines()
-        for number, text in enumerate(inner):
-            first, last = (at if number == 0 else 0), number == len(inner) - 1
-            wanted = [p - first for p in places if (number > 0 or p > at) and (not last or p < at)]
+        if len(inner) < 2:
+            continue
+
+        def numbers(text: str, wanted: list[int]) -> bool:
             parts = text.split(delimiter)
-            if wanted and all(
-                each < len(parts) and not math.isnan(_finite(parts[each].strip())) for each in wanted
-            ):
-                message = "a cell in quotation marks has rows of numbers in it"
-                help_ = (
-                    "is a quotation mark not closed? Take it out, or write it twice: those rows would be lost"
-                )
-                raise _wrong(message, shown, line, help_)
+            return all(each < len(parts) and not math.isnan(_finite(parts[each].strip())) for each in wanted)
+
+        # The cell begins within one row and ends within another: only both say so, as a note may end with a number.
+        ends = numbers(inner[0], [p - at for p in places if p > at])
+        ends = ends and numbers(inner[-1], [p for p in places if p < at])
+        if ends or any(numbers(text, places) for text in inner[1:-1]):
+            message = "a cell in quotation marks has rows of numbers in it"
+            help_ = "is a quotation mark not closed? Take it out, or write it twice: those rows would be lost"
+            raise _wrong(message, shown, line, help_)
 
 
 def _places(
