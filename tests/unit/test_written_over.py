@@ -99,9 +99,24 @@ def test_show_writes_what_it_says(more: tuple[str, ...], name: str, begins: str,
 
 
 def test_show_writes_a_text(spec: Path) -> None:
+    """A second time too, where nothing is lost: the same text is there."""
     command = ("show", "slow", "--spec", "m.spec", "--as", "formula")
-    assert run_command(*command, "--out", "slow.txt") == (0, "", "")
+    for _ in range(2):
+        assert run_command(*command, "--out", "slow.txt") == (0, "", "")
     assert run_command(*command) == (0, Path("slow.txt").read_text("utf-8"), "")
+    refused(Path("slow.txt"), "E412", "show", "slow", "--spec", "m.spec", "--out", "slow.txt")
+
+
+def test_requirements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where requirements are written by hand, each has a `statement` too: a table stood in place of all of them."""
+    assert run_command("init", str(tmp_path / "car"))[0] == 0
+    monkeypatch.chdir(tmp_path / "car")
+    source = Path("requirements/requirements.yaml")
+    for form, name in (("csv", "r.csv"), ("reqif", "r.reqif"), ("needs", "needs.json")):
+        command = ("export", "requirements", "--format", form, "--out")
+        refused(source, "E412", *command, str(source))
+        for _ in range(2):
+            assert run_command(*command, name)[0] == 0
 
 
 def test_a_folder_with_a_program_of_its_own(spec: Path) -> None:

@@ -17,7 +17,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import other_there, write_whole
 
 #: What stands near the beginning of whatever was exported, by format.
-_MARKS = {"reqif": b"<REQ-IF", "needs": b'"current_version"', "csv": b"statement"}
+_MARKS = {"reqif": b"<REQ-IF", "needs": b'"current_version"', "csv": b"document_title"}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

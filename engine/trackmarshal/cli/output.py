@@ -14,7 +14,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import other_there
+from trackmarshal.files import other_there, read_regular, write_whole
 from trackmarshal.runtime.verdict import About, RuleResult
 from trackmarshal.units import written
 
@@ -108,12 +108,12 @@ def write(document: str) -> None:
 
 
 def write_out(name: str, text: str, mark: str | None, what: str) -> None:
-    """Write an output to a file; raises E412 where something else than such a thing is there, which has its mark in it: anything where it has none."""
-    path = Path(name)
-    if other_there(path, None if mark is None else mark.encode()):
+    """Write an output to a file; raises E412 where something else than such a thing is there, which has its mark in it: any other text where it has none."""
+    path, data = Path(name), text.encode("utf-8")
+    if other_there(path, None if mark is None else mark.encode()) and read_regular(path) != data:
         message = f"{name} is there already" + (f", and is no {what}" if what else "")
         raise TrackmarshalError("E412", message, file=name, help="nothing was written; choose another name")
-    path.write_text(text, encoding="utf-8")
+    write_whole(path, data)
 
 
 def _acts(char: str) -> bool:
