@@ -60,14 +60,23 @@ def read_regular(path: Path, most: int = -1) -> bytes:
 def write_whole(path: Path, data: bytes) -> None:
     """Write a file whole or not at all: beside it first, of which nothing is left behind. Raises OSError, with the file's own name.
 
-    Where a link stands, what it leads to is written, and the link stays. What is no file, such as `/dev/stdout`, is written to as it is.
+    Where a link stands, what it leads to is written, and the link stays. What is no file, such as `/dev/stdout`, is written to as it is. Of a file
+    that is there, permissions stay, and one that must not be written is not.
     """
     if path.exists() and not path.is_file():
         path.write_bytes(data)
         return
     target = Path(os.path.realpath(path))
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
+    draft = target.with_name(f".{target.name[:50]}.{os.getpid()}")  # names have an end
     try:
+        if target.is_symlink():
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        if target.exists():
+            if not os.access(target, os.W_OK):
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+            draft.touch(0o600)  # nobody reads it meanwhile who must not
+            with contextlib.suppress(OSError):  # a disk without permissions
+                draft.chmod(stat.S_IMODE(target.stat().st_mode))
         draft.write_bytes(data)
         draft.replace(target)
     except BaseException as error:  # also where somebody interrupts

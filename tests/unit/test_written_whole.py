@@ -69,3 +69,41 @@ def test_what_is_no_file_is_not_put_aside(tmp_path: Path) -> None:
     write_whole(link, b"after")
     assert link.is_symlink()
     assert link.is_char_device()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are POSIX's")
+def test_who_may_read_it_stays_the_same(tmp_path: Path) -> None:
+    """What nobody else could read was readable to all."""
+    path = tmp_path / "said.json"
+    path.write_bytes(b"before")
+    for mode in (0o600, 0o664):
+        path.chmod(mode)
+        write_whole(path, b"after")
+        assert (path.stat().st_mode & 0o777, path.read_bytes()) == (mode, b"after")
+
+
+def test_what_must_not_be_written_is_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that is for reading only was another one, since its folder is not."""
+    path = tmp_path / "said.json"
+    path.write_bytes(b"before")
+    monkeypatch.setattr(os, "access", lambda *_, **__: False)  # who runs this as root may write everything
+    with pytest.raises(PermissionError) as caught:
+        write_whole(path, b"after")
+    assert (caught.value.filename, path.read_bytes()) == (str(path), b"before")
+    assert [each.name for each in tmp_path.iterdir()] == ["said.json"]
+
+
+def test_links_that_lead_round_in_a_ring_stay(tmp_path: Path) -> None:
+    here, there = tmp_path / "here", tmp_path / "there"
+    here.symlink_to(there)
+    there.symlink_to(here)
+    with pytest.raises(OSError, match="symbolic links") as caught:
+        write_whole(here, b"after")
+    assert caught.value.filename == str(here)
+    assert (here.is_symlink(), there.is_symlink()) == (True, True)
+
+
+def test_a_long_name_is_one(tmp_path: Path) -> None:
+    for name in ("x" * 255, "ü" * 127):
+        write_whole(tmp_path / name, b"after")
+        assert (tmp_path / name).read_bytes() == b"after"
