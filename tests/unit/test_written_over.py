@@ -11,6 +11,7 @@ import trackmarshal as tm
 from support import field_logs
 from support.project import run_command
 from trackmarshal.files import other_there
+from trackmarshal.records import ResultsFile, save
 
 SPEC = """module m
 signal plan : trajectory { t: s increasing, v: m/s in [0, 100] }
@@ -57,10 +58,13 @@ def test_the_log_of_a_drive(packed: bool, tmp_path: Path) -> None:
         for _ in range(2):  # a recording is written again
             assert run_command(*command, str(tmp_path / name))[0] == 0
     refused(log, "E435", "import", "log", "--map", str(mapping), "--keep", str(log))
+    results = tmp_path / "tests.json"  # of tests, not of a run
+    save(results, ResultsFile("test_results", (), "1", "2026-01-02T03:04:05+00:00"))
+    refused(results, "E435", "import", "log", "--map", str(mapping), "--keep", str(results))
 
 
 def test_the_record_of_a_run(tmp_path: Path) -> None:
-    pytest.importorskip("mcap", reason="writes MCAP")
+    writing = pytest.importorskip("mcap.writer", reason="writes MCAP")
     written, record, other = tmp_path / "m.spec", tmp_path / "run.arrows", tmp_path / "run.mcap"
     written.write_text(f"{SPEC}signal ego : state {{ x: m, y: m, heading: rad, v: m/s }}\n")
     supervisor = tm.supervisor(tm.load(written), clock=lambda: 0.0, record=record)
@@ -71,6 +75,12 @@ def test_the_record_of_a_run(tmp_path: Path) -> None:
     for _ in range(2):
         assert run_command(*command, str(other))[0] == 0
         assert other.read_bytes()[1:5] == b"MCAP"
+    drive = tmp_path / "drive.mcap"  # what the vehicle logged
+    with drive.open("wb") as file:
+        writer = writing.Writer(file)
+        writer.start()
+        writer.finish()
+    refused(drive, "D120", *command, str(drive))
 
 
 def test_a_spec(spec: Path) -> None:

@@ -59,7 +59,7 @@ def _may_keep(args: argparse.Namespace) -> None:
     """Raise E435 where what would be kept is not the run that the mapping declares."""
     if not args.keep:
         return
-    if other_there(Path(args.keep), b'"trackmarshal-results"'):
+    if other_there(Path(args.keep), b'"holds": "runs"'):
         raise TrackmarshalError(
             "E435", "is there already, and is no run that was kept", file=args.keep, help="choose another name with `--keep`"
         )  # fmt: skip

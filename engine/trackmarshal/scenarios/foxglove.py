@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import struct
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,9 @@ from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.record import Opaque, Recorded, Run, decided_by_name
 
 FRAME = "map"
+_LIBRARY = "trackmarshal"
+#: How a file of ours begins: the header has its size, no profile, and who wrote it. A log of the vehicle is MCAP too.
+_OWN = b"\x89MCAP0\r\n\x01" + struct.pack("<QII", 8 + len(_LIBRARY), 0, len(_LIBRARY)) + _LIBRARY.encode()
 _GREY, _GREEN, _ORANGE, _RED, _BLUE = (
     (0.6, 0.6, 0.6), (0.1, 0.7, 0.2), (1.0, 0.6, 0.0), (0.9, 0.1, 0.1), (0.2, 0.4, 0.9),
 )  # fmt: skip
@@ -38,13 +42,13 @@ def write(run: Run, decisions: Iterable[Decision], path: str | Path) -> None:
         message = "MCAP needs the package `mcap`"
         raise TrackmarshalError("E484", message, help="pip install trackmarshal[mcap]") from error
     try:
-        if other_there(Path(path), b"\x89MCAP"):
+        if other_there(Path(path), _OWN):
             raise TrackmarshalError(
-                "D120", "is there already, and is no MCAP", file=str(path), help="nothing was written; another name, such as run.mcap"
+                "D120", "is there already, and is no MCAP of a record", file=str(path), help="nothing was written; another name, such as run.mcap"
             )  # fmt: skip
         with Path(path).open("wb") as file:
             writer: Any = Writer(file)
-            writer.start(library="trackmarshal")
+            writer.start(library=_LIBRARY)
             writer.add_metadata("trackmarshal", {"identity": json.dumps(run.identity)})
             channels = {topic: _channel(writer, topic, name) for topic, name in _TOPICS.items()}
             for number, (recorded, decision) in enumerate(zip(run.cycles, decisions)):
