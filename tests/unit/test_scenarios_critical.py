@@ -358,6 +358,7 @@ def declared(tmp_path: Path, name: str, old: str, new: str) -> Path:
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [3, 4.5]", "D151", "list is expected"),
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [[-1, 4.5]]", "D151", "before the recording"),
         ("bad_reception", "silent: [[3, 4.5]]", "silent: [[30, 45]]", "D151", "no cycle lies between 30 and 45 s"),
+        ("bad_reception", "silent: [[3, 4.5]]", "silent: [[3, 4.5], [4, 5]]", "D151", "silent from 4 s on already"),
         ("bad_reception", "pose_error: [[6, 0],", "pose_error: [[8, 0],", "D151", "does not come after"),
     ],
 )  # fmt: skip

@@ -125,7 +125,12 @@ def load(path: Path, shown: str) -> Declaration:
     for other in others:
         if ids.count(other.id) > 1:
             raise other.item.wrong(f"the id `{other.id}` stands twice", "ids are unique")
-        for begin, end in other.silent:
+        for place, (begin, end) in enumerate(other.silent):
+            overlaps = [since for since, till in other.silent[:place] if begin < till and since < end]
+            if overlaps:
+                message = f"it is silent from {max(begin, overlaps[0]):g} s on already"
+                help_ = "stretches of `silent` do not overlap: write one for both"
+                raise other.item.wrong(message, help_)
             if not any(begin < t < end for t in times):
                 message = f"no cycle lies between {begin:g} and {end:g} s, so it is heard of in all"
                 help_ = f"cycles are {step:g} s apart, from 0 to {times[-1]:g} s"
