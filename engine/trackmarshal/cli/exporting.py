@@ -11,10 +11,8 @@ import sys
 from datetime import UTC, datetime
 from pathlib import Path
 
-from trackmarshal.cli.output import count, say
+from trackmarshal.cli.output import count, say, write_out
 from trackmarshal.cli.project import find_project
-from trackmarshal.errors import TrackmarshalError
-from trackmarshal.files import other_there, write_whole
 
 #: What stands near the beginning of whatever was exported, by format.
 _MARKS = {"reqif": b"<REQ-IF", "needs": b'"current_version"', "csv": b"document_title"}
@@ -52,13 +50,7 @@ def run(args: argparse.Namespace) -> int:
     if args.out is None:
         sys.stdout.buffer.write(data)
         return 0
-    out = Path(args.out)
-    if other_there(out, _MARKS[format]):
-        message = f"{args.out} is there already, and holds no requirements as {format}"
-        raise TrackmarshalError(
-            "E412", message, file=args.out, help="nothing was written; choose another name"
-        )
-    write_whole(out, data)
+    write_out(args.out, data, _MARKS[format], f"list of requirements as {format}")
     if not args.quiet:
         say(
             f"{args.out}: {count(sum(len(document.requirements) for document in documents), 'requirement')}",

@@ -107,10 +107,10 @@ def write(document: str) -> None:
     print(document, end="")
 
 
-def write_out(name: str, text: str, mark: str | None, what: str) -> None:
-    """Write an output to a file; raises E412 where something else than such a thing is there, which has its mark in it: any other text where it has none."""
-    path, data = Path(name), text.encode("utf-8")
-    if other_there(path, None if mark is None else mark.encode()) and read_regular(path) != data:
+def write_out(name: str, data: bytes, mark: bytes | None, what: str) -> None:
+    """Write an output to a file; raises E412 where something else than such a thing is there, which has its mark in it: anything else where it has none."""
+    path = Path(name)
+    if other_there(path, mark) and read_regular(path) != data:
         message = f"{name} is there already" + (f", and is no {what}" if what else "")
         raise TrackmarshalError("E412", message, file=name, help="nothing was written; choose another name")
     write_whole(path, data)

@@ -69,9 +69,8 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError("E477", f"no Supervisor can be made of this spec: {why}", help="see E482")
     built = build(spec, Evaluator(spec, args.rule, "reference").rules, limits_of(args, spec))
     if args.describe:
-        write_out(
-            args.describe, text_of(built.layout.said), '"trackmarshal-messages"', "description of messages"
-        )
+        said = text_of(built.layout.said).encode()
+        write_out(args.describe, said, b'"trackmarshal-messages"', "description of messages")
     if args.build:
         print(built.path)
         return 0

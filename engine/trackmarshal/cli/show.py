@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 FORMS = ("spec", "formula", "english", "c")
 #: What tells a file of such a kind, and what it is called. A text has nothing that would tell it from a spec.
 _MARKS = {
-    "svg": ("<svg", "picture"), "html": ("<!doctype html>", "page"), "json": ('{"rule": ', "rule as JSON"), "text": (None, ""),
+    "svg": (b"<svg", "picture"), "html": (b"<!doctype html>", "page"), "json": (b'{"rule": ', "rule as JSON"), "text": (None, ""),
 }  # fmt: skip
 #: Forms that speak of a rule's condition, which an assumption without a monitor has none of.
 _OF_CONDITIONS = ("formula", "english", "c")
@@ -111,7 +111,7 @@ def _put(args: argparse.Namespace, said: str, kind: str = "") -> None:
     """Print what was asked for, or write it to `--out`; raises E412 where something else is there."""
     form = kind or args.format
     if args.out is not None:
-        write_out(args.out, said, *_MARKS[form])
+        write_out(args.out, said.encode(), *_MARKS[form])
     elif form == "text":
         print(said, end="")
     else:

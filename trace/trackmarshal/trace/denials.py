@@ -49,7 +49,7 @@ _UNSEEN = re.compile("[\u00ad\u200b-\u200f\u2060-\u2064\ufeff]")
 
 
 class Claim(NamedTuple):
-    """A document that is to show something of a thing. kind: of the document's part; where: what it is about; section: it alone counts."""
+    """A document that is to show something of a thing, by its name. kind: of the thing; place: where it is said."""
 
     path: str
     name: str
@@ -187,7 +187,7 @@ class _Page:
 def _denied(pattern: re.Pattern[str], text: str) -> re.Match[str] | None:
     """What denies in a text, as it is written, or as browsers show it; a sentence may go on in the next line."""
     found = pattern.search(_MARKS.sub(" ", text))
-    if found is None and "<" in text:
+    if found is None and _TAG.search(text) is not None:
         found = pattern.search(_MARKS.sub(" ", _TAG.sub(lambda tag: " " * len(tag[0]), text)))
     return found
 
