@@ -17,8 +17,8 @@ import yaml
 from golden.test_link_page import below, wanted
 from golden.trace.cases import HERE
 from support.project import command
+from trackmarshal.trace.documents_argument import ARGUMENT
 from trackmarshal.trace.gsn.codes import CODES
-from trackmarshal.trace.gsn.document import ARGUMENT
 
 PAGE = Path(__file__).parents[2] / "docs" / "gsn.md"
 UPDATE = os.environ.get("TRACKMARSHAL_UPDATE_GOLDEN") == "1"

@@ -17,7 +17,8 @@ from golden.gsn.cases import argued, argument
 from golden.trace.cases import HERE
 from support.project import command
 from trackmarshal.trace.gsn import gsn2x
-from trackmarshal.trace.gsn.case import KINDS, Case
+from trackmarshal.trace.gsn.case import Case
+from trackmarshal.trace.gsn.kinds import KINDS
 from trackmarshal.trace.gsn.picture import layout
 
 

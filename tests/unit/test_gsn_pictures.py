@@ -14,7 +14,8 @@ import pytest
 from golden.gsn.cases import argued, argument
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trace.case.words.language import english
-from trackmarshal.trace.gsn.case import KINDS, Case, Element, Evidence, Link, Module, Point
+from trackmarshal.trace.gsn.case import Case, Element, Evidence, Link, Module, Point
+from trackmarshal.trace.gsn.kinds import KINDS
 from trackmarshal.trace.gsn.modules import LIMIT
 from trackmarshal.trace.gsn.picture import layout
 from trackmarshal.trace.gsn.picture.boxes import FONT, ROUND, box

@@ -87,18 +87,18 @@ def edited(*pairs: tuple[str, str]) -> str:
 )  # fmt: skip
 def test_what_is_the_same_case_is_the_same(pairs: list[tuple[str, str]], same: bool, tmp_path: Path) -> None:
     one, other = prepared(edited(), tmp_path / "one"), prepared(edited(*pairs), tmp_path / "other")
-    assert (one.meant == other.meant) is same
+    assert (one.told.meant == other.told.meant) is same
     assert (fingerprint_of_test(one) == fingerprint_of_test(other)) is same
 
 
 def test_a_parameter_stands_by_its_name(tmp_path: Path) -> None:
     """Another value of it is no other test, and the number that it has is one."""
     named = prepared(edited(("12 m/s", "v_max")), tmp_path / "named")
-    assert named.reads == {"m.v_max"}
-    assert named.meant != prepared(edited(), tmp_path / "number").meant
+    assert named.told.reads == {"m.v_max"}
+    assert named.told.meant != prepared(edited(), tmp_path / "number").told.meant
     half = prepared(edited(("12 m/s", "v_max / 2 + limits.slow")), tmp_path / "half")
-    assert half.reads == {"m.v_max", "m.limits.slow"}
-    assert half.meant not in (
-        named.meant,
-        prepared(edited(("12 m/s", "v_max / 3 + limits.slow")), tmp_path / "third").meant,
+    assert half.told.reads == {"m.v_max", "m.limits.slow"}
+    assert half.told.meant not in (
+        named.told.meant,
+        prepared(edited(("12 m/s", "v_max / 3 + limits.slow")), tmp_path / "third").told.meant,
     )

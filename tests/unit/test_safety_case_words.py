@@ -18,7 +18,7 @@ from trackmarshal.trace.case.content import NAMES
 from trackmarshal.trace.case.loop import OUTCOMES
 from trackmarshal.trace.graph.kinds import NODES
 from trackmarshal.trace.gsn import picture
-from trackmarshal.trace.gsn.case import KINDS, LINKS
+from trackmarshal.trace.gsn.kinds import KINDS, LINKS
 from trackmarshal.trace.report.svg import boundary
 
 FOLDER = Path(room.__file__).parent

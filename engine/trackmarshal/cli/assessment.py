@@ -111,7 +111,7 @@ def assess(
     again: run all of them, and tell what came out differently than the store says. replays: replay all scenarios, for what is shown of them,
     unless that was kept.
     """
-    from trackmarshal.trace import requirements
+    from trackmarshal.trace import reading, requirements
 
     project = requirements.load(root, [])
     answers = Answers(root, root / project.results, again)
@@ -119,7 +119,7 @@ def assess(
     if again:
         said = made.facts()
     else:
-        folders = [*map(str, project.specs or ["specs"]), requirements.FOLDER]
+        folders = [*map(str, project.specs or ["specs"]), reading.FOLDER]
         files = [str(path) for path in (*(s.path for s in project.scenarios), *project.campaigns)]
         said = facts(root, folders, files, made.facts)
     results = list(_tests(answers, said, made if run else None))

@@ -229,7 +229,7 @@ def _hashes(root: Path, baseline: object) -> dict[str, str]:
     """sha256 of the files below `requirements/`, and of the baseline."""
     from trackmarshal.cli.evidence import file_hash
     from trackmarshal.files import below
-    from trackmarshal.trace.requirements import FOLDER
+    from trackmarshal.trace.reading import FOLDER
 
     files, _ = below(root / FOLDER, (".yaml", ".yml"))
     paths = [*files, *([root / str(baseline)] if baseline and (root / str(baseline)).is_file() else [])]

@@ -122,12 +122,11 @@ def unconstrained(compiled: Compiled) -> list[Diagnostic]:
 
 def demanded(project: Path) -> tuple[set[str], list[TrackmarshalError]]:
     """The ids of the project's requirements, and the files of which it is not known what they demand."""
-    from trackmarshal.trace import requirements
+    from trackmarshal.trace import reading
     from trackmarshal.trace.findings import Finding
 
     found: list[Finding] = []
-    loaded = requirements.load(project, found)
-    known = {str(requirement.id) for requirement in loaded.requirements if requirement.demanded}
+    known = set(map(str, reading.demanded(project, found)))
     return known, [
         TrackmarshalError(
             f.code,

@@ -72,7 +72,7 @@ def spec_parts(
     from trackmarshal.units import in_full
 
     read = {name for item in items for name in item.inputs}
-    read |= {f"param {name}" for test in tests for name in test.reads}
+    read |= {f"param {name}" for test in tests for name in test.told.reads}
     found: list[tuple[str, str, Any, str]] = []
     for name, param in spec.params.items():
         low, high = (("" if end is None else in_full(end, param.unit)) for end in (param.lower, param.upper))
@@ -169,8 +169,8 @@ def spec_tests(spec: Spec, tests: Iterable[PreparedTest], distances: Distances) 
 
     return [
         SpecTest(
-            t.rule.name, t.title, t.verdict, stands.narrow, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.said),
-            stands.distance, stands.within, sha256(t.meant),
+            t.rule.name, t.title, t.verdict, stands.narrow, t.span.file.path, t.span.line, t.span.column, fingerprint_of_test(t), sha256(t.told.said),
+            stands.distance, stands.within, sha256(t.told.meant),
         )
         for t in tests
         for stands in [near(t, spec, distances)]

@@ -31,7 +31,7 @@ def sheets(root: Path, project: Project, sources: Sources | None = None, state: 
     state: one hash of all that the project's facts were made from, the specs among them; empty where it is not known. fresh: they were made
     from these `sources`, so that the sheets of these are of that state, too.
     """
-    from trackmarshal.trace import requirements
+    from trackmarshal.trace import reading
 
     path = cache.of_project("sheets", root) if state else None
     if sources is not None:
@@ -52,7 +52,7 @@ def sheets(root: Path, project: Project, sources: Sources | None = None, state: 
 
         return _of(Sources(root, project))
 
-    folders = [*map(str, project.specs or ["specs"]), requirements.FOLDER]
+    folders = [*map(str, project.specs or ["specs"]), reading.FOLDER]
     return kept("sheets", root, folders, (), make, _said, _read)[0]
 
 

@@ -31,7 +31,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.syntax.ast import span_of
 from trackmarshal.testing.builders import BUILDERS, Builder, built
 from trackmarshal.testing.errors import BadExpectation, BadGiven, UnknownRuleOfTest
-from trackmarshal.testing.meant import Meant
+from trackmarshal.testing.meant import Meant, Told
 from trackmarshal.testing.si import table_in_si
 from trackmarshal.units import NUMBER, Dimension, digits, in_full, parse_shown, parse_unit, quantity, show
 
@@ -67,11 +67,8 @@ class PreparedTest(Node):
     unit: str | None
     binder: str | None
     at: str | None
-    #: Its syntax tree without the title, of which neither layout nor comments are part.
-    said: str
-    #: What that comes to, and the parameters that its numbers are made of: `testing.meant`.
-    meant: str
-    reads: frozenset[str]
+    #: Its text, and what that comes to.
+    told: Told
     span: Span
 
 
@@ -167,9 +164,7 @@ class _Preparation:
             unit,
             binder,
             at,
-            repr((item.steps, item.expect)),
-            self._meant.text(item, _variables(rule.formula), unit),
-            frozenset(self._meant.reads),
+            Told(item, self._meant, _variables(rule.formula), unit),
             item.span.head,
         )
 

@@ -7,6 +7,7 @@ Its numbers are those in SI that definitions come to. A parameter stands by its 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
@@ -84,3 +85,26 @@ class Meant:
                 )
             case _:
                 return repr(value)  # a word: `true`, a member, `nan`
+
+
+class Told:
+    """A test's text, and what that comes to: made when somebody asks, as the matrix does and `check` does not."""
+
+    def __init__(self, test: ast.Test, meant: Meant, variables: Sequence[str], unit: str | None) -> None:
+        """variables, unit: of `Meant.text`."""
+        self._test, self._meant = test, meant
+        self._variables, self._unit = variables, unit
+
+    @cached_property
+    def said(self) -> str:
+        """The test's syntax tree without the title, of which neither layout nor comments are part."""
+        return repr((self._test.steps, self._test.expect))
+
+    @cached_property
+    def meant(self) -> str:
+        return self._meant.text(self._test, self._variables, self._unit)
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """The parameters that its numbers are made of, by their full names."""
+        return frozenset(self._meant.reads)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from trackmarshal.trace.documents_argument import ARGUMENT
 from trackmarshal.trace.documents_safety import ASSURANCE, DESIGN, HAZARDS, LINK_SCHEMA, METHOD
-from trackmarshal.trace.gsn.document import ARGUMENT
+from trackmarshal.trace.graph.kinds import OBSOLETE
 from trackmarshal.trace.shapes import (
     ASIL,
     HASH,
@@ -96,7 +97,7 @@ REQUIREMENT = Record("requirement", "One requirement.", (
     optional("independence", Many(REQUIREMENT_ID, 1), "For a requirement whose ASIL is decomposed among those that refine it: the analyses that argue that they are independent."),
     optional("owner", TEXT, "Who answers for it; where persons are declared, one of them, by id or name."),
     optional("adopted", TEXT, "For a requirement with neither interface nor parent: why it stands all the same."),
-    Field("status", Word({"draft": "being written", "approved": "agreed", "obsolete": "demanded no longer; kept so that its id is not used again"}),
+    Field("status", Word({"draft": "being written", "approved": "agreed", OBSOLETE: "demanded no longer; kept so that its id is not used again"}),
           "How far it has come."),
     Field("asil", Text(ASIL, "QM, A, B, C or D, decomposed ones as `B(D)`"), "Integrity level after ISO 26262."),
     Field("verification", Many(METHOD, 1), "How it is verified: methods of the schema of links, each of which evidence of its kind answers."),

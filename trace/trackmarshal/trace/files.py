@@ -12,7 +12,7 @@ from trackmarshal.records import RunSummary, SpecItem
 from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Entry, Evidence, Project
-from trackmarshal.trace.requirements import FOLDER
+from trackmarshal.trace.reading import FOLDER
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
 

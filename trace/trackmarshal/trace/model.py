@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from trackmarshal.trace.findings import Place
+from trackmarshal.trace.graph.kinds import OBSOLETE
 from trackmarshal.trace.values import Placed
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ class Requirement:
 
     @property
     def demanded(self) -> bool:
-        return self.status != "obsolete"
+        return self.status != OBSOLETE
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,81 +1,42 @@
-"""The requirements folder of a project, read: every document, every error in one run."""
+"""What the requirements folder of a project comes to: its documents as typed records."""
 
 from __future__ import annotations
 
-import hashlib
-import os
-from collections.abc import Iterable
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from trackmarshal.files import below
-from trackmarshal.trace import entries, model, tree
+from trackmarshal.trace import entries, model
 from trackmarshal.trace.collector import no_collection
 from trackmarshal.trace.documents import DOCUMENTS
-from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
+from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.graph import methods
 from trackmarshal.trace.gsn import document as gsn
-from trackmarshal.trace.values import Placed, Reader, Table
+from trackmarshal.trace.reading import FOLDER, Documents, documents
+from trackmarshal.trace.values import Placed, Table
 
-FOLDER = "requirements"
 V_MODEL = f"{FOLDER}/v-model.yaml"
-Bytes = dict[str, bytes]
 
 
-#: What was read last, by the hashes of all that it was made from: commands ask for it from several places, and parsing takes long.
-_last: tuple[dict[str, str], model.Project, tuple[Finding, ...]] | None = None
+#: What was made last, and of what.
+_last: tuple[Documents, model.Project, tuple[Finding, ...]] | None = None
 
 
 def load(root: Path, found: list[Finding]) -> model.Project:
     """Everything under `requirements/`; what is wrong goes to `found` (T101 to T129), what can be read is kept."""
     global _last  # noqa: PLW0603 - one project, the last one
-    unread: list[Finding] = []
-    files = _bytes(root, unread)
-    found += unread
-    hashes = {shown: hashlib.sha256(data).hexdigest() for shown, data in files.items()}
-    if _last is None or _last[0] != hashes:
+    read = documents(root, found)
+    if _last is None or _last[0] is not read:
         misread: list[Finding] = []
         with no_collection():
-            _last = (hashes, _project(files, misread), tuple(misread))
+            _last = (read, _project(read, misread), tuple(misread))
     _, project, wrong = _last
     found += wrong
     return project
 
 
-def documents(root: Path, found: list[Finding]) -> list[tuple[str, str, Table]]:
-    """Every document under `requirements/` that can be read: its path from the project, which it is, its fields."""
-    read = []
-    for shown, data in _bytes(root, found).items():
-        document = _document(data, shown, found)
-        if document is not None:
-            read.append((shown, *document))
-    return read
-
-
-def document(path: Path, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
-    """One file, inside or outside a project: which document it is, its fields; None, and why in `found`, where it is none."""
-    data = tree.read(path, shown, found)
-    return None if data is None else _document(data, shown, found)
-
-
-def _bytes(root: Path, found: list[Finding]) -> Bytes:
-    """The files of a project's requirements by their paths from its root."""
-    read = {}
-    for path in _files(root / FOLDER, root, found):
-        shown = path.relative_to(root).as_posix()
-        data = tree.read(path, shown, found)
-        if data is not None:
-            read[shown] = data
-    return read
-
-
-def _project(files: Bytes, found: list[Finding]) -> model.Project:
-    tables: dict[str, list[Table]] = {kind: [] for kind in DOCUMENTS}
-    for shown, data in files.items():
-        read = _document(data, shown, found)
-        if read is not None:
-            tables[read[0]].append(read[1])
+def _project(read: Documents, found: list[Finding]) -> model.Project:
+    tables = {kind: read.of(kind) for kind in DOCUMENTS}
     for kind in ("system-model", "v-model", "link-schema", "argument"):
         for extra in tables[kind][1:]:
             message = f"a second {kind}; the first is {tables[kind][0].place.file}"
@@ -107,52 +68,6 @@ def _project(files: Bytes, found: list[Finding]) -> model.Project:
         project.by_id.setdefault(str(requirement.id), requirement)
     found += methods.unknown(project)
     return _with_model(project, tables["system-model"][0]) if tables["system-model"] else project
-
-
-def _files(folder: Path, root: Path, found: list[Finding]) -> list[Path]:
-    """The requirements files below a folder, links to folders followed; what may be one and cannot be read goes to `found` (T101)."""
-    if not folder.is_dir():
-        return []
-    files, problems = below(folder, (".yaml", ".yml"))
-    for problem in problems:
-        shown = Path(os.fspath(problem.filename)).relative_to(root).as_posix()
-        help_ = "every document in the folder counts: remove what is none, or make it readable"
-        found.append(error("T101", problem.strerror or str(problem), Place(shown), help_))
-    for path in files:
-        if path.suffix.lower() != path.suffix:
-            message = f"`{path.name}` is almost the name of a requirements file"
-            shown = path.relative_to(root).as_posix()
-            help_ = f"rename it to `{path.stem}{path.suffix.lower()}`, or give it another suffix"
-            found.append(error("T101", message, Place(shown), help_))
-    return [path for path in files if path.suffix.lower() == path.suffix]
-
-
-def _document(data: bytes, shown: str, found: list[Finding]) -> tuple[str, Table] | None:
-    node = tree.parse(data, shown, found)
-    if node is None or isinstance(node, tree.Refused):
-        return None
-    place = Place(shown, node.line, node.column)
-    if not isinstance(node, tree.Mapping):
-        found.append(
-            error("T113", "the document is no mapping", place, "start with `document: requirements`")
-        )
-        return None
-    kind = node.entries.get("document")
-    known = ", ".join(DOCUMENTS)
-    if not isinstance(kind, tree.Scalar) or kind.text not in DOCUMENTS:
-        said = (
-            f"`document` cannot be `{kind.text}`"
-            if isinstance(kind, tree.Scalar)
-            else "which document this is, is not said"
-        )
-        help_ = (
-            did_you_mean(kind.text, DOCUMENTS) if isinstance(kind, tree.Scalar) else ""
-        ) or f"known are {known}"
-        at = place if kind is None else Place(shown, kind.line, kind.column)
-        found.append(error("T113", said, at, help_))
-        return None
-    table = Reader(shown, found).table(node, DOCUMENTS[kind.text], "the document")
-    return None if table is None else (kind.text, table)
 
 
 def _requirement(t: Table) -> model.Requirement:
@@ -279,8 +194,3 @@ def _nothing(place: Place) -> Table:
     table = Table()
     table.place = place
     return table
-
-
-def ids(root: Path) -> Iterable[Placed]:
-    """The ids of all requirements that are demanded, for `satisfies`; unreadable files have none."""
-    return tuple(requirement.id for requirement in load(root, []).requirements if requirement.demanded)

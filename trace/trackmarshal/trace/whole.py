@@ -12,6 +12,7 @@ from trackmarshal.trace import backing as _backing
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files
 from trackmarshal.trace import outside as _outside
+from trackmarshal.trace import reading
 from trackmarshal.trace import requirements as _requirements
 from trackmarshal.trace.baseline import Tell
 from trackmarshal.trace.collector import no_collection
@@ -85,7 +86,7 @@ def load(project_root: Path) -> tuple[Project, tuple[Finding, ...]]:
 
 def requirement_ids(project_root: Path) -> tuple[Placed, ...]:
     """The ids that a spec may name in `satisfies`, each with its place."""
-    return tuple(_requirements.ids(project_root))
+    return reading.demanded(project_root, [])
 
 
 def accept_baseline(

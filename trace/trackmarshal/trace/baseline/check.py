@@ -11,6 +11,7 @@ from trackmarshal.trace.baseline.changes import Change, Tell, changes
 from trackmarshal.trace.baseline.content import UNREVIEWED, Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
+from trackmarshal.trace.graph.kinds import OBSOLETE
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
 
@@ -99,7 +100,7 @@ def check(
             for name in _linked(baseline.content.get(change.key, {})) & lost.keys()
         }
         gone = all(
-            (not change.field and bool(change.before)) or change.after == "obsolete" or change.key in struck
+            (not change.field and bool(change.before)) or change.after == OBSOLETE or change.key in struck
             for change in group
         )
         rests_on = tuple(

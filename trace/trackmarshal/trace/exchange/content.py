@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from trackmarshal.trace import requirements, tree
+from trackmarshal.trace import reading, tree
 from trackmarshal.trace.documents import REQUIREMENT, REQUIREMENTS
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.shapes import Many, Pairs
@@ -73,8 +73,8 @@ class Naming:
 def of_project(root: Path, found: list[Finding]) -> list[Document]:
     """The lists of requirements of a project; what is wrong with its files goes to `found` (T101 to T128)."""
     return [
-        Document(PurePosixPath(shown).relative_to(requirements.FOLDER).with_suffix("").as_posix(), table)
-        for shown, kind, table in requirements.documents(root, found)
+        Document(PurePosixPath(shown).relative_to(reading.FOLDER).with_suffix("").as_posix(), table)
+        for shown, kind, table in reading.documents(root, found).read
         if kind == "requirements"
     ]
 

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from trackmarshal.trace import requirements
 from trackmarshal.trace.exchange.content import FIELDS, LISTS, Document
 from trackmarshal.trace.findings import Finding, Place, error, warning
+from trackmarshal.trace.graph.kinds import OBSOLETE
 from trackmarshal.trace.graph.said import LEVEL
+from trackmarshal.trace.reading import document
 from trackmarshal.trace.values import Placed, Table
 
 #: So many names of what is gone are shown of a field, and so many requirements that lose something in one.
@@ -40,7 +41,7 @@ def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> It
     less: list[_Less] = []
     for path, shown in files:
         wrong: list[Finding] = []
-        read = requirements.document(path, shown, wrong)
+        read = document(path, shown, wrong)
         if read is None or read[0] != "requirements":
             what = "no list of requirements" if read is None else f"the document `{read[0]}`"
             message = f"what would be written over is {what}"
@@ -68,7 +69,7 @@ def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> It
                 yield Finding(
                     "T365", "warning", message, asil.place, "", str(id_), ((old.place, f"{old} here"),)
                 )
-            if now[id_].text("status") == "obsolete" != before.text("status"):
+            if now[id_].text("status") == OBSOLETE != before.text("status"):
                 message = f"`{id_}` is demanded no longer: its status is `obsolete`"
                 place = before.text("status").place
                 yield warning("T365", message, place, "take its status over as it is, if it is", str(id_))

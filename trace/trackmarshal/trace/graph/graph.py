@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 from trackmarshal.trace.findings import Place
-from trackmarshal.trace.graph.kinds import LINKS
+from trackmarshal.trace.graph.kinds import LINKS, OBSOLETE
 
 #: A node's kind and id: together they are unique, and the same as long as nobody renames it.
 Key = tuple[str, str]
@@ -30,7 +30,7 @@ class Node(NamedTuple):
     @property
     def demanded(self) -> bool:
         """Whether it still counts."""
-        return self.attributes.get("status") != "obsolete"
+        return self.attributes.get("status") != OBSOLETE
 
 
 class Link(NamedTuple):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+#: The status of a requirement that is demanded no longer.
+OBSOLETE = "obsolete"
 #: Kinds of nodes, and what a node of each is.
 NODES = {
     "subsystem": "a part of the world, or the vehicle",

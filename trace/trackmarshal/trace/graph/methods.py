@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from trackmarshal.trace.findings import Finding, did_you_mean, error
 from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.graph import Graph, Node
 from trackmarshal.trace.model import Project, matches
-from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.values import Placed
+
+if TYPE_CHECKING:
+    from trackmarshal.trace.outside import Outside
 
 CODE = "T255"
 

@@ -11,28 +11,9 @@ from typing import NamedTuple
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.graph.graph import Key
 
-#: Kinds of elements, and what an element of each says.
-KINDS = {
-    "goal": "a claim",
-    "strategy": "how a claim follows from others",
-    "solution": "the evidence that a claim rests on",
-    "context": "what has to be known to understand a claim",
-    "assumption": "what is taken for granted",
-    "justification": "why it may be argued so",
-    "counter goal": "a claim that something does not hold",
-    "counter solution": "evidence that something does not hold",
-}
-#: What stands beside a goal or a strategy.
-BESIDE = frozenset({"context", "assumption", "justification"})
-COUNTER = frozenset({"counter goal", "counter solution"})
-#: Kinds of links: from what is supported, from what has the context, from what challenges.
-LINKS = ("supported_by", "in_context_of", "challenges")
-
 SUPPORTED, RESERVED, UNSUPPORTED = "supported", "with reservations", "not supported"
 #: How far an element is supported, from worst to best.
 STATUSES = (UNSUPPORTED, RESERVED, SUPPORTED)
-#: What came of a defeater.
-OPEN, ANSWERED, UPHELD = "open", "answered", "upheld"
 
 
 class Evidence(NamedTuple):
@@ -148,9 +129,3 @@ def worst(statuses: Sequence[str]) -> str:
 def a_kind(kind: str) -> str:
     """A kind of element or thing with its article, as messages call it."""
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-
-
-__all__ = [
-    "ANSWERED", "BESIDE", "COUNTER", "KINDS", "LINKS", "OPEN", "RESERVED", "STATUSES", "SUPPORTED", "UNSUPPORTED", "UPHELD", "Case",
-    "Element", "Evidence", "Link", "Module", "Point", "a_kind", "worst",
-]  # fmt: skip

@@ -6,9 +6,10 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from trackmarshal.trace.findings import Finding, did_you_mean, error
-from trackmarshal.trace.gsn.case import ANSWERED, Case, Element, Link, Point
+from trackmarshal.trace.gsn.case import Case, Element, Link, Point
 from trackmarshal.trace.gsn.document import Argument, Defeater
 from trackmarshal.trace.gsn.filling import safe
+from trackmarshal.trace.gsn.kinds import ANSWERED
 
 
 def with_challenges(case: Case, argument: Argument, persons: Collection[str] = ()) -> Case:

@@ -8,17 +8,8 @@ from dataclasses import replace
 
 from trackmarshal.trace import cycles
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
-from trackmarshal.trace.gsn.case import (
-    BESIDE,
-    COUNTER,
-    KINDS,
-    OPEN,
-    UNSUPPORTED,
-    Case,
-    Element,
-    Link,
-    a_kind,
-)
+from trackmarshal.trace.gsn.case import UNSUPPORTED, Case, Element, Link, a_kind
+from trackmarshal.trace.gsn.kinds import BESIDE, COUNTER, KINDS, OPEN
 from trackmarshal.trace.gsn.statuses import defeated, way_down
 from trackmarshal.trace.matrix import Matrix
 

@@ -9,8 +9,9 @@ from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.graph.graph import Graph, Key, Node, holds
 from trackmarshal.trace.graph.kinds import LINKS, WAYS
 from trackmarshal.trace.graph.schema import fits
-from trackmarshal.trace.gsn.case import BESIDE, COUNTER, OPEN, Case, Element, Link, a_kind
-from trackmarshal.trace.gsn.document import ALL, ITSELF, WALKS, Step, Template
+from trackmarshal.trace.gsn.case import Case, Element, Link, a_kind
+from trackmarshal.trace.gsn.document import Step, Template
+from trackmarshal.trace.gsn.kinds import ALL, BESIDE, COUNTER, ITSELF, OPEN, WALKS
 from trackmarshal.trace.gsn.statuses import below_first
 from trackmarshal.trace.gsn.subjects import Subjects
 

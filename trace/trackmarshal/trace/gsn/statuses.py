@@ -5,18 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from trackmarshal.trace.gsn.case import (
-    BESIDE,
-    COUNTER,
-    OPEN,
-    RESERVED,
-    SUPPORTED,
-    UNSUPPORTED,
-    UPHELD,
-    Case,
-    Element,
-    worst,
-)
+from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, Case, Element, worst
+from trackmarshal.trace.gsn.kinds import BESIDE, COUNTER, OPEN, UPHELD
 
 
 def with_statuses(case: Case) -> Case:

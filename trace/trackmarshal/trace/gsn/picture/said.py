@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from trackmarshal.trace.gsn.case import LINKS, Case, Element
+from trackmarshal.trace.gsn.case import Case, Element
+from trackmarshal.trace.gsn.kinds import LINKS
 from trackmarshal.trace.gsn.picture.boxes import standing
 from trackmarshal.trace.gsn.picture.content import Content, Shown
 

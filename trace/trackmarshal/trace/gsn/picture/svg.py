@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from html import escape
 
-from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, UPHELD, Case, Element, Module
+from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, Case, Element, Module
+from trackmarshal.trace.gsn.kinds import UPHELD
 from trackmarshal.trace.gsn.modules import ONE_ROW
 from trackmarshal.trace.gsn.picture.boxes import FONT, LINE, PAD, Box, box
 from trackmarshal.trace.gsn.picture.content import Content, Shown, content
