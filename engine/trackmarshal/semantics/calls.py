@@ -91,13 +91,13 @@ def call(
     ctx: Context,
 ) -> typed.Value:
     """A call of anything by its name; infix: `a f b`."""
-    if function == COUNT and COUNT not in ctx.scope.names():
+    if function == COUNT and not ctx.scope.knows(COUNT):
         return _count_of_cycles(self, args, names, span, ctx)
     meant = ctx.scope.find(function)
     if any(names) and (meant is None or not isinstance(meant.item, ast.Define)):
         problem = "named arguments are for definitions and the builders of tests"
         self.fail(UnknownReference(span, problem, "write the arguments in order"))
-    if function not in ctx.scope.names():
+    if not ctx.scope.knows(function):
         if function in FUNCTIONS:
             return _numeric(self, function, args, span, ctx)
         if function in _SPECIAL:
@@ -279,13 +279,14 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, i
     kind, name, span = parameter.type, parameter.name, span_of(value)
     if is_shape(kind):
         shape = _shape(self, parameter, inner)
-        wanted_fields = f"something with {', '.join(shape)} for `{name}: {kind}`"
-        if not isinstance(value, typed.RecordNode):
-            self.fail(WrongKind(span, wanted_fields, value_spoken(value), _one_of(value)))
-        lacking = _lacking(value, shape)
-        if lacking:
-            self.fail(WrongKind(span, wanted_fields, value_spoken(value), lacking))
-        return typed.NamedRecord(shape, value.signal, name, value, kind, span)
+        if isinstance(value, typed.RecordNode):
+            problem = _lacking(value, shape)
+            if not problem:
+                return typed.NamedRecord(shape, value.signal, name, value, kind, span)
+        else:
+            problem = _one_of(value)
+        asked = f"something with {', '.join(shape)} for `{name}: {kind}`"
+        self.fail(WrongKind(span, asked, value_spoken(value), problem))
     if kind in ("trajectory", "polyline"):
         return typed.NamedLine(name, line(self, value, span), span)
     if kind == "corridor":

@@ -346,7 +346,7 @@ class _Compiler:
         """A field that is a member of an enumeration, by the place of the member."""
         at, scope = field.span.word(field.type), self.scopes[module]
         symbol = scope.find(field.type)
-        known = scope.look_up(field.type, at, "enumeration", set()) if field.type in scope.names() else None
+        known = scope.look_up(field.type, at, "enumeration", set()) if scope.knows(field.type) else None
         if symbol is None or not isinstance(symbol.item, ast.Enum):
             if isinstance(known, Diagnostic):
                 self.found.append(known)

@@ -164,6 +164,13 @@ class Expressions:
             raise Poison
         return values
 
+    def literal(self, expr: ast.Number) -> tuple[float, Dimension]:
+        """What digits with their unit are in SI, and of which dimension."""
+        value, problem = literal(expr.text, expr.unit or "1")
+        if problem:
+            self.fail(BadValue(ast.span_of(expr), problem, None, "is an exponent or a unit wrong?"))
+        return value, parse_unit(expr.unit or "1")[2]
+
     def number(self, expr: ast.Expr, ctx: Context) -> typed.Number:
         return self._numeric(self.value(expr, ctx), expr)
 
@@ -205,11 +212,8 @@ class Expressions:
             case ast.Binary():
                 return self._binary(expr, ctx)
             case ast.Number():
-                value, problem = literal(expr.text, expr.unit or "1")
-                if problem:
-                    self.fail(BadValue(span, problem, None, "is an exponent or a unit wrong?"))
-                dimension, unit = parse_unit(expr.unit or "1")[2], own_unit(expr.unit)
-                return typed.Literally(dimension, unit, expr.text, expr.unit, value, span)
+                value, dimension = self.literal(expr)
+                return typed.Literally(dimension, own_unit(expr.unit), expr.text, expr.unit, value, span)
             case ast.Boolean():
                 return typed.Boolean(expr.value, span)
             case ast.Call() if expr.function == states.TIME_IN:

@@ -414,13 +414,15 @@ def _last_word(span: Span, word: str) -> Span:
 def _is_deeper(root: ir.Formula, most: int) -> bool:
     """Whether more than so many nodes stand in each other; iterative, since that is what may be too much."""
     levels: dict[ir.Num | ir.Formula, int] = {}
-    stack: list[ir.Num | ir.Formula] = [root]
+    stack: list[tuple[ir.Num | ir.Formula, list[ir.Num | ir.Formula]]] = [(root, ir.operands(root))]
     while stack:
-        node = stack[-1]
-        below = [part for part in ir.operands(node) if part not in levels] if node not in levels else []
-        stack += below
-        if not below:
-            levels[stack.pop()] = 1 + max((levels[part] for part in ir.operands(node)), default=0)
+        node, parts = stack[-1]
+        waiting = [(part, ir.operands(part)) for part in parts if part not in levels]
+        if waiting:
+            stack += waiting
+        else:
+            levels[node] = 1 + max((levels[part] for part in parts), default=0)
+            stack.pop()
     return levels[root] > most
 
 

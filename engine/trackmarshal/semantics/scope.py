@@ -78,6 +78,9 @@ class Scope:
     def names(self) -> set[str]:
         return {*self.own, *self.used}
 
+    def knows(self, name: str) -> bool:
+        return name in self.own or name in self.used
+
     def find(self, name: str) -> Symbol | None:
         """The symbol, or None; never reports."""
         if name in self.own:

@@ -48,7 +48,7 @@ def shape_named(x: Expressions, name: str, at: Span, scope: Scope) -> typed.Shap
     """The fields of a shape by its name; fails where there is none of that name, or something is wrong with it."""
     if name in SHAPES:
         return SHAPES[name]
-    found = scope.look_up(name, at, "shape", set()) if name in scope.names() else None
+    found = scope.look_up(name, at, "shape", set()) if scope.knows(name) else None
     if isinstance(found, Diagnostic):
         x.fail(found)
     if found is not None:

@@ -71,30 +71,29 @@ class _Run:
 
     def run(self, whole: bool) -> Any:
         """Read the text, and finish the node if it is a `whole` one; raises Unexpected."""
-        text, known, states = self.text, self.tables, self.states
+        text, known, states, builder = self.text, self.tables, self.states, self.builder
         values, starts, ends, heights = self.values, self.starts, self.ends, self.heights
-        skip, scanners, starting, actions, after = (
+        skip, starting, actions, after, rules = (
             known.skip,
-            known.scanner,
-            known.starting,
+            known.starting_in,
             known.actions,
             known.after,
+            known.rules,
         )
-        rules, names, in_word = len(known.rules), len(known.names), known.in_word
+        kinds, names, in_word = len(rules), len(known.names), known.in_word
         stop, length = 0, len(text)
+        state = states[-1]
         while True:
             skipped = skip(text, stop)
             at = stop = skipped.end() if skipped else stop
-            state = states[-1]
             if at == length:
                 if not whole:
                     return None
                 terminal = known.end_terminal
             else:
-                scanner = scanners[state]
-                candidates = starting[scanner].get(text[at])
+                candidates = starting[state].get(text[at])
                 if candidates is None:
-                    candidates = known.candidates(scanner, text[at])
+                    candidates = known.candidates(known.scanner[state], text[at])
                 for terminal, literal, word, match in candidates:  # noqa: B007 - the one that matches is used below
                     if match is not None:
                         found = match(text, at)
@@ -109,11 +108,30 @@ class _Run:
                     raise self._unknown(at, state)
             # All reductions that this terminal decides, then it is shifted.
             while (action := actions[state].get(terminal, 0)) < 0:
-                rule = known.rules[-action - 1]
+                rule = rules[-action - 1]
+                size = rule.size
+                first = len(values) - size
                 if not rule.identity:
-                    self._reduce(rule)
-                del states[-rule.size :]
-                state = after.get((states[-1] * rules + rule.nonterminal) * names + terminal, -1)
+                    # The values of the rule's symbols become one.
+                    height = heights[first] if size == 1 else max(heights[first:])
+                    value = None
+                    if builder is not None:
+                        value = self._children(rule, first)
+                        if rule.single and len(value) == 1:
+                            value = value[0]
+                        elif rule.node:
+                            place = (starts[first], ends[-1])
+                            height += rule.height
+                            if height > self.limit:
+                                builder.too_high(place)
+                            value = getattr(builder, rule.node)(place, value)
+                    if size > 1:
+                        ends[first] = ends[-1]
+                        del values[first + 1 :], starts[first + 1 :], ends[first + 1 :], heights[first + 1 :]
+                    values[first] = value
+                    heights[first] = height
+                del states[-size:]
+                state = after.get((states[-1] * kinds + rule.nonterminal) * names + terminal, -1)
                 if state < 0:
                     state = known.goto(states[-1], rule, terminal)
                 states.append(state)
@@ -121,7 +139,8 @@ class _Run:
                     return values[0]
             if not action:
                 raise Unexpected(at, text[at:stop], set())
-            states.append(action - 1)
+            state = action - 1
+            states.append(state)
             values.append(terminal)
             starts.append(at)
             ends.append(stop)
@@ -145,30 +164,9 @@ class _Run:
         }
         return Unexpected(at, None, wanted)
 
-    def _reduce(self, rule: Rule) -> None:
-        """The values of a rule's symbols become one."""
-        size, node = rule.size, rule.node
-        starts, ends, heights, values = self.starts, self.ends, self.heights, self.values
-        height = heights[-1] if size == 1 else max(heights[-size:])
-        value = None
-        if self.builder is not None:
-            value = self._children(rule)
-            if rule.single and len(value) == 1:
-                value = value[0]
-            elif node:
-                height += rule.height
-                if height > self.limit:
-                    self.builder.too_high((starts[-size], ends[-1]))
-                value = getattr(self.builder, node)((starts[-size], ends[-1]), value)
-        if size > 1:
-            ends[-size] = ends[-1]
-            rest = 1 - size
-            del values[rest:], starts[rest:], ends[rest:], heights[rest:]
-        values[-1] = value
-        heights[-1] = height
-
-    def _children(self, rule: Rule) -> list[Any]:
-        values, first = self.values, len(self.values) - rule.size
+    def _children(self, rule: Rule, first: int) -> list[Any]:
+        """What a rule takes of its symbols, the first of which is at this place of the stack."""
+        values = self.values
         children: list[Any] = []
         for taken in rule.taken:
             if taken is None:

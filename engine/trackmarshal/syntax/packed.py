@@ -33,20 +33,30 @@ def unpack(data: bytes, file: SourceFile) -> ast.Module:
     return tree
 
 
+#: What is plain data already.
+_PLAIN = frozenset({str, bool, type(None)})
+
+
 def _plain(value: Any) -> Any:
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, tuple):
-        return [_plain(item) for item in value]
-    if not isinstance(value, Node):
-        raise TypeError(f"a {type(value).__name__} is no part of a tree")
-    fields, number = value.__dict__, _NUMBERS[type(value)]
+    kind = type(value)
+    if kind is tuple:
+        return [item if type(item) in _PLAIN else _plain(item) for item in value]
+    number = _NUMBERS.get(kind)
+    if number is None:
+        if isinstance(value, str):  # a token
+            return value
+        raise TypeError(f"a {kind.__name__} is no part of a tree")
+    fields = value.__dict__
     span = fields["span"]
     if type(span) is ast.Parenthesised:
         number = -number - 1
     elif type(span) is not Span:
         raise TypeError(f"a {type(span).__name__} is no place of a tree")
-    return [number, span.start, span.end, *(_plain(fields[name]) for name in value.compared)]
+    row = [number, span.start, span.end]
+    for name in value.compared:
+        item = fields[name]
+        row.append(item if type(item) in _PLAIN else _plain(item))
+    return row
 
 
 def _node(row: list[Any], file: SourceFile) -> Node:

@@ -70,6 +70,8 @@ class Tables:
         self.skip = re.compile(f"(?:{blank})*").match
         self.in_word = re.compile(f"[{data['word_characters']}]").match
         self.starting: list[dict[str, tuple[Candidate, ...]]] = [{} for _ in self.scanners]
+        #: The same by state.
+        self.starting_in = [self.starting[scanner] for scanner in self.scanner]
         self.after: dict[int, int] = {}
         self._candidates: dict[int, Candidate] = {}
 

@@ -552,6 +552,11 @@ class _Preparation:
                 span_of(value),
                 f"{what} is one value, not a {'list' if isinstance(value, ast.ListValue) else 'record'}",
             )
+        if isinstance(value, ast.Number):  # mostly; one of another dimension is told of below
+            number, dimension = self._x.literal(value)
+            if wanted is None or dimension == wanted:
+                self._meant.number(value, None, number)
+                return number, dimension
         checked = self._x.number(value, self._ctx)
         if wanted is not None and checked.dimension != wanted:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
@@ -566,11 +571,11 @@ class _Preparation:
         core = self._lowering.number(checked)
         if any(isinstance(node, ir.Param) and node.name not in params for node in ir.below(core)):
             raise Poison  # a parameter whose declaration was reported
-        number = constant_value(core, lambda qualified: params[qualified].value)
-        if number is None:
+        found = constant_value(core, lambda qualified: params[qualified].value)
+        if found is None:
             self.fail(span_of(value), "this depends on an input", "a test gives constants")
-        self._meant.number(value, core, number)
-        return number, checked.dimension
+        self._meant.number(value, core, found)
+        return found, checked.dimension
 
     # What is expected -----------------------------------------------------------------------------------------
 

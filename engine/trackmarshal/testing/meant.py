@@ -26,11 +26,12 @@ class Meant:
 
     def number(self, written: ast.Expr, core: ir.Num | None, value: float) -> None:
         """Note that an expression comes to a value in SI, by way of this core; None: it is no more than that value."""
-        params = (
-            set() if core is None else {node.name for node in ir.below(core) if isinstance(node, ir.Param)}
-        )
+        if core is None:
+            self._numbers[id(written)] = repr(value)
+            return
+        params = {node.name for node in ir.below(core) if isinstance(node, ir.Param)}
         self.reads |= params
-        self._numbers[id(written)] = describe(core) if core is not None and params else repr(value)
+        self._numbers[id(written)] = describe(core) if params else repr(value)
 
     def name(self, given: ast.Given, full: str) -> None:
         """Note what is given under a name, as it is called everywhere."""
