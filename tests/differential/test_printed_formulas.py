@@ -9,17 +9,16 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from support.length import AT_LENGTH, amount
 from support.read_rules import Machinery
+from support.supervised import everything
 from trackmarshal.backends.reference.evaluator import Reference
-from trackmarshal.evaluation import Evaluator, load
-from trackmarshal.ir.spec import PlaceInfo, Spec
+from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import PlaceInfo
 from trackmarshal.reading.data import data
 from trackmarshal.reading.rule import read
 from trackmarshal.reading.sheet import Sheet
@@ -27,7 +26,6 @@ from trackmarshal.reading.words.english import ENGLISH
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import About, RuleResult
 
-ROOT = Path(__file__).resolve().parents[2]
 INPUTS, EXPANDED = amount(20, 100), 20
 #: Rules over the run are held against the first cycle of one: what state machines, counts and windows come to there.
 OVER_THE_RUN = ("R_G1", "R_I5", "one_move", "no_overtaking_under_yellow", "leaves_room")
@@ -40,14 +38,11 @@ SELDOM = {"cut_in": 5, "leaves_room": 10}
 _Numbers = Callable[[random.Random], Any]
 
 
-@cache
-def spec() -> Spec:
-    return load([ROOT / "specs"], [], ROOT)
-
-
 def rules() -> list[str]:
     return [
-        rule.name for rule in spec().rules if rule.typed is not None and rule.name not in (*LATER, *SEVERAL)
+        rule.name
+        for rule in everything().rules
+        if rule.typed is not None and rule.name not in (*LATER, *SEVERAL)
     ]
 
 
@@ -127,7 +122,7 @@ def case(
     """What a rule reads, made up, in SI."""
     signals: dict[str, Any] = {}
     for name in sorted({signal for signal, _ in rule_reads}):
-        declared = spec().signals.get(name)
+        declared = everything().signals.get(name)
         if declared is None:
             signals[name] = SIGNALS[name](choose)
             continue
@@ -179,12 +174,12 @@ def said(evaluator: Evaluator, frame: Frame, name: str) -> tuple[RuleResult | Ab
     ],
 )  # fmt: skip
 def test_the_printed_formula_says_what_the_reference_says(name: str, expand: bool) -> None:
-    rule = spec().rule(name)
+    rule = everything().rule(name)
     assert rule is not None
-    reading = read(rule, spec(), None, expand)
+    reading = read(rule, everything(), None, expand)
     printed = data(Sheet(rule, ENGLISH, None, reading, None, None, ()))["formula"]
-    assert bool(printed["definitions"]) is (not expand) or not read(rule, spec()).definitions
-    evaluator = Evaluator(spec(), [name], "reference")
+    assert bool(printed["definitions"]) is (not expand) or not read(rule, everything()).definitions
+    evaluator = Evaluator(everything(), [name], "reference")
     choose = random.Random(name)
     seen: dict[str, int] = {}
     seldom = SELDOM.get(name, 1)
@@ -208,5 +203,7 @@ def test_the_printed_formula_says_what_the_reference_says(name: str, expand: boo
 def test_each_rule_that_is_over_the_run_is_named() -> None:
     from trackmarshal.ir.overrun import over_run
 
-    remembering = {rule.name for rule in spec().rules if rule.formula is not None and over_run(rule.formula)}
+    remembering = {
+        rule.name for rule in everything().rules if rule.formula is not None and over_run(rule.formula)
+    }
     assert {*OVER_THE_RUN, *LATER} == remembering

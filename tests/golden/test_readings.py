@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from trackmarshal.evaluation import load
-from trackmarshal.ir.spec import Spec
+from support.supervised import everything
 from trackmarshal.reading.rule import read
 from trackmarshal.reading.sheet import Sheet
 from trackmarshal.reading.telling import tell
@@ -23,17 +21,12 @@ ROOT = GOLDEN.parents[1]
 UPDATE = os.environ.get("TRACKMARSHAL_UPDATE_GOLDEN") == "1"
 
 
-@cache
-def spec() -> Spec:
-    return load([ROOT / "specs"], [], ROOT)
-
-
 def sheets(form: str) -> Iterator[str]:
-    for rule in spec().rules:
+    for rule in everything().rules:
         if rule.typed is None:
             continue
-        reading = read(rule, spec()) if form == "formulas" else None
-        told = tell(rule, spec(), ENGLISH) if form == "english" else None
+        reading = read(rule, everything()) if form == "formulas" else None
+        told = tell(rule, everything(), ENGLISH) if form == "english" else None
         yield "\n".join(
             [
                 f"# {rule.name}: {rule.title}",
@@ -55,9 +48,9 @@ def test_shipped_rules(form: str) -> None:
 
 def test_sentences_are_sentences() -> None:
     """Each begins with a capital letter or with what an author named, ends, has no sign in it that nobody would say, and no place left open."""
-    for rule in spec().rules:
+    for rule in everything().rules:
         if rule.typed is not None:
-            told = tell(rule, spec(), ENGLISH)
+            told = tell(rule, everything(), ENGLISH)
             for said in (*told.demand, *told.definitions):
                 assert re.match(r"[A-Z“]|[a-z]+_", said), said
                 assert said.endswith("."), said

@@ -34,6 +34,12 @@ def shipped() -> Spec:
     return load([ROOT / "specs" / "supervisor"])
 
 
+@cache
+def everything() -> Spec:
+    """All shipped specs, from the root of the project."""
+    return load([ROOT / "specs"], [], ROOT)
+
+
 def against(given: Cycle, backend: str) -> set[tuple[str, str]]:
     """Which shipped rules are against which candidate of a cycle that a Supervisor gets first, and in which nothing else is wrong."""
     decision = tm.supervisor(shipped(), backend=backend, clock=lambda: 0.0).step(given)

@@ -11,6 +11,7 @@ import pytest
 
 from support.length import shared_out
 from support.shared import REPOSITORY
+from support.supervised import everything
 from trackmarshal.cli.sources import read_specs
 from trackmarshal.ir.spec import Spec
 from trackmarshal.meaning import Meaning, fingerprint_of_test, key
@@ -54,7 +55,7 @@ def replaced(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), "utf-8")
 
 
-RULES = [rule.name for rule in shipped()[1].rules if rule.formula is not None]
+RULES = [rule.name for rule in everything().rules if rule.formula is not None]
 
 
 @pytest.mark.parametrize("name", shared_out(RULES, 32))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-from functools import cache
 from pathlib import Path
 from typing import Any, get_args
 from xml.etree import ElementTree
@@ -15,9 +14,10 @@ from jsonschema import Draft202012Validator
 from support.mathml import Parser
 from support.mathml import read as signs
 from support.reading import RULES, demanded, examples, rule_of, spec_of
+from support.supervised import everything
 from trackmarshal import reading, typed
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import load, loads
+from trackmarshal.evaluation import loads
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.reading import layout as at
 from trackmarshal.reading import mathml, terminal, typst
@@ -37,11 +37,6 @@ from trackmarshal.semantics.compile import compile_paths
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@cache
-def shipped() -> Spec:
-    return load([ROOT / "specs"], [], ROOT)
-
-
 def sheet(rule: RuleInfo, spec: Spec, expand: bool = False) -> Sheet:
     return Sheet(rule, ENGLISH, None, read(rule, spec, None, expand), tell(rule, spec, ENGLISH), None, ())
 
@@ -57,7 +52,7 @@ def printed(made: Any) -> list[dict[str, str]]:
 def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> None:
     """Of the shipped rules, of the examples of the pages, and of a spec with the rest; what is printed is XML, and reads back."""
     made = spec_of(tmp_path, RULES)
-    specs = [shipped(), made]
+    specs = [everything(), made]
     schema = Draft202012Validator(
         json.loads(Path(reading.__file__).with_name("show.schema.json").read_text("utf-8"))
     )
@@ -72,7 +67,7 @@ def test_every_node_of_the_typed_tree_is_shown_in_every_form(tmp_path: Path) -> 
                 continue
             seen |= {type(node) for node in typed.below(rule.typed)}
             for expand in (
-                (False, True) if spec is not shipped() else (False,)
+                (False, True) if spec is not everything() else (False,)
             ):  # those are read back, written out: test_printed_formulas
                 whole = data(sheet(rule, spec, expand))
                 schema.validate(whole)
@@ -135,9 +130,9 @@ def test_what_is_written_out_keeps_variables_apart(tmp_path: Path) -> None:
 
 def test_one_sign_is_one_thing() -> None:
     """What a definition of another module is given has a prime where the spec's own parameter goes by the same name."""
-    rule = shipped().rule("safe_gap")
+    rule = everything().rule("safe_gap")
     assert rule is not None
-    heads = {one.symbol.name: text(one.head) for one in read(rule, shipped()).definitions}
+    heads = {one.symbol.name: text(one.head) for one in read(rule, everything()).definitions}
     assert heads["rss_lateral_path"] == "rss_lateral_path(approach, response′, acceleration, braking)"
     assert heads["half_extent"] == "half_extent(length′, width′, angle)"
 
@@ -394,11 +389,11 @@ def test_how_a_table_is_read_stands_beside_its_rows(way: str) -> None:
 
 
 def test_a_table_a_zone_and_a_state_are_listed() -> None:
-    made = read(shipped().rule("zone_speed_limit") or pytest.fail("the rule is gone"), shipped())
+    made = read(everything().rule("zone_speed_limit") or pytest.fail("the rule is gone"), everything())
     assert [place.name for place in made.places] == ["tracks.modena.pit_lane"]
-    made = read(shipped().rule("drive_acceleration") or pytest.fail("the rule is gone"), shipped())
+    made = read(everything().rule("drive_acceleration") or pytest.fail("the rule is gone"), everything())
     assert [info.name for _, info in made.tables] == ["vehicles.devbot.ax_max"]
-    made = read(shipped().rule("gives_back") or pytest.fail("the rule is gone"), shipped())
+    made = read(everything().rule("gives_back") or pytest.fail("the rule is gone"), everything())
     (machine,) = made.machines
     assert (machine.states, machine.start, machine.bridges, len(machine.moves)) == (
         ("free", "ahead", "behind", "won"),

@@ -12,7 +12,7 @@ import pytest
 
 from support.project import command
 from support.safety_case import DAY, edit, html
-from trackmarshal.evaluation import load
+from support.supervised import everything
 from trackmarshal.reading import layout as at
 from trackmarshal.reading import typst as formulas
 from trackmarshal.reading.data import data
@@ -50,7 +50,7 @@ def said(folder: Path, made: bytes, *how: str) -> str:
 @pytest.fixture(scope="module")
 def printed() -> list[dict[str, str]]:
     """All formulas of the shipped rules."""
-    spec = load([ROOT / "specs"], [], ROOT)
+    spec = everything()
     made = [
         data(Sheet(rule, ENGLISH, None, read(rule, spec), None, None, ()))["formula"]
         for rule in spec.rules if rule.typed is not None

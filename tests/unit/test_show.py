@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from support.length import at_length
+from support.supervised import everything
 from trackmarshal.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -77,9 +78,8 @@ def test_one_form_is_nothing_but_that(form: str, first: str, capsys: pytest.Capt
 
 def test_c_is_what_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
     from trackmarshal.backends.c.source import generate
-    from trackmarshal.evaluation import load
 
-    spec = load([ROOT / "specs"], [], ROOT)
+    spec = everything()
     rule = spec.rule("turn_radius")
     assert rule is not None
     (code,) = generate(spec, [rule]).rules
