@@ -23,6 +23,7 @@ PHRASES = Path(__file__).with_name("denials.txt")
 _MARKS = re.compile(r"[\s*>~`]|(?<![^\W_])_|_(?![^\W_])")
 #: Marks of HTML.
 _TAG = re.compile(r"</?[A-Za-z][^<>]*>")
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 #: What no text has: of files with such characters nothing is read, as they hold words by chance.
 _BINARY = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
@@ -218,7 +219,7 @@ def _text(root: Path, path: str) -> str:
         text = _decoded(data)
     except (OSError, ValueError, RuntimeError):
         return ""
-    return "" if _BINARY.search(text) else _present(_GLAD.sub(_left_out, _UNSEEN.sub("", text)))
+    return "" if _BINARY.search(text) else _present(_GLAD.sub(_left_out, _uncommented(_UNSEEN.sub("", text))))
 
 
 def _decoded(data: bytes) -> str:
@@ -229,6 +230,12 @@ def _decoded(data: bytes) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def _uncommented(text: str) -> str:
+    """A text with blanks in place of its comments, which nobody sees who reads the page; all of it where it says nothing else."""
+    seen = _COMMENT.sub(lambda comment: re.sub(r"[^\s]", " ", comment[0]), text)
+    return seen if any(_WORD.search(block) for _, depth, block in _blocks(seen) if not depth) else text
 
 
 def _left_out(glad: re.Match[str]) -> str:
