@@ -72,7 +72,7 @@ class Bounds:
     """Looks at formulas with the signals and parameters of a spec. Raises TooMuchError for those that are too large; `begin` first."""
 
     def __init__(self, signals: Mapping[str, SignalType], params: Mapping[str, ParamInfo]) -> None:
-        self._signals, self._params = signals, params
+        self._signals, self.params = signals, params
         self._fields: dict[tuple[str, str], FieldType | None] = {}
         self._left = MOST
         #: Of another cycle, or another sample, nothing is known.
@@ -287,7 +287,7 @@ class Bounds:
             case ir.Const():
                 return ANY if _no_number(node) else (node.value, node.value)
             case ir.Param():
-                info = self._params.get(node.name)
+                info = self.params.get(node.name)
                 return ANY if info is None else _ends(info.lower, info.upper)
             case ir.Column():
                 return self._range(node.axis.signal, node.field)

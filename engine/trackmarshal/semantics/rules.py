@@ -126,7 +126,7 @@ class RuleBuilder:
             if over_run is not None:
                 self.x.found.append(over_run)
             elif text["severity"] != ADVISORY:  # one that never decides keeps nobody from driving
-                self.x.found += never_starts(core, rule)
+                self.x.found += never_starts(core, rule, self.x.bounds.params)
         self._allow(item, before)
         if any(d.level == "error" for d in self.x.found[before:]):
             return None
