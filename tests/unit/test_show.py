@@ -158,6 +158,13 @@ def test_errors_say_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show"]) == 2
 
 
+@pytest.mark.parametrize("also", ["--json", "--as c", "--solve v", "--expand"])
+@pytest.mark.parametrize("drawn", ["--draw", "--over p.a"])
+def test_a_drawing_is_nothing_else(drawn: str, also: str, capsys: pytest.CaptureFixture[str]) -> None:
+    said = refused(capsys, "friction", *drawn.split(), *also.split())
+    assert said.endswith("leave out --as, --expand, --solve and --format\n")
+
+
 def test_unknown_numbers_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
     pytest.importorskip("sympy")
     made = refused(capsys, "friction", "--solve", "masss")

@@ -13,6 +13,7 @@ import yaml
 from support import start
 from support.project import run_command
 from support.shared import REPOSITORY
+from trackmarshal.cli.main import main
 from trackmarshal.start.project import BASELINE, FILES, WORKFLOW
 from trackmarshal.trace.baseline.file import digest
 
@@ -37,6 +38,12 @@ def test_it_is_green_from_the_start_and_decides_the_same_in_c(project: Path) -> 
     if shutil.which("gcc") is None:
         pytest.skip("no gcc")
     assert start.compiled(run_command, project / "build" / "c") == decided
+
+
+def test_one_folder_is_named_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["init", str(tmp_path / "one"), "--project", str(tmp_path / "other")]) == 2
+    assert "give one of them" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_comes_next_is_a_command_for_a_shell(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

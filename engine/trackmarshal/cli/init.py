@@ -17,6 +17,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "folder", nargs="?", metavar="DIR", help="made if need be (default: the current folder)"
     )
+    parser.set_defaults(refuse=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -27,6 +28,8 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.start.writing import refuse_present
     from trackmarshal.trace import requirements
 
+    if args.folder and args.project:
+        args.refuse("DIR and --project name one folder each: give one of them")
     root = Path(args.folder or args.project or ".")
     refuse_present(root, [BASELINE])
     here = root.resolve()

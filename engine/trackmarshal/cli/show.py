@@ -71,18 +71,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--spec", metavar="SPEC", help="spec file or folder (default: all of the project)")
     configure_with(parser)
+    parser.set_defaults(refuse=parser.error)
 
 
 def run(args: argparse.Namespace) -> int:
     from trackmarshal.evaluation import load
 
+    drawn = args.draw or args.over or args.against
+    if drawn and (args.forms or args.solve or args.expand or args.format != "text"):
+        args.refuse("a drawing is a picture and nothing else: leave out --as, --expand, --solve and --format")
     project = optional_project(args)
     paths = [Path(args.spec)] if args.spec is not None else spec_folders(find_project(args))
     settings = [Path(one) for one in args.settings]
     spec = load(paths, settings, project)
     declared = load(paths, [], project) if settings else spec
     rule = _rule(args.rule, spec)
-    if args.draw or args.over or args.against:  # nothing else has any of these
+    if drawn:
         return _draw(rule, spec, declared, paths, project, args)
     forms = args.forms or ([] if args.solve else _all(rule, args.format))
     tests = _tests(paths, project) if args.solve else ()
