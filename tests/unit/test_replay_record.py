@@ -6,7 +6,9 @@ import gzip
 import json
 import struct
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import trackmarshal as tm
@@ -250,6 +252,75 @@ def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
     assert recording.notes == ("2 of 5 cycles of the record are left out",)
     assert recording.cycles[1].candidates["driving"]["x"] == cycle(1).driving["x"].tolist()
     assert recording.params == {"v_max": 30.0}
+
+
+def test_each_cycle_of_a_record_has_the_obstacles_that_stood_there(tmp_path: Path) -> None:
+    """What perception finds ahead in a later cycle made that one unsafe, and was replaced by what stood there in the first one."""
+    path, now = tmp_path / "run.arrows", 0.0
+    supervisor = tm.supervisor(shipped(), ["obstacle_collision"], clock=lambda: now, record=path)
+    for number, ahead in enumerate([500.0, 500.0, 30.0, 500.0]):
+        now = number * PERIOD
+        given = cycle(number)
+        things = given.signals["obstacles"]
+        things["x"], things["y"] = np.array([ahead]), np.array([0.0])
+        supervisor.step(given)
+    supervisor.close()
+    recording = tm.load_recording(path)
+    places = [each["x"] for at in recording.cycles for each in recording.standing(at)]
+    assert places == [500.0, 500.0, 30.0, 500.0]
+    (note,) = recording.notes
+    assert note == "its obstacles are not the same in all cycles; drawn are those of the first one"
+    outcome = tm.replay(recording, tm.Evaluator(shipped(), ["obstacle_collision"]))
+    assert [each.safe for each in outcome.cycles] == [True, True, False, True]
+
+
+#: Speeds in other units than those of the SI, as a display has them: the record then keeps cycles as they came in.
+AS_IT_CAME = """module example.shown
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s, shown: km/h }
+signal objects : set of object { x: m, y: m }
+signal track : corridor { left: polyline, right: polyline }
+rule slow "Slow"
+  require   ego.shown <= 50 km/h
+rule near "Near"
+  for all   o in objects
+  require   o.x <= 200 m
+rule inside "Inside"
+  for all   p in plan
+  require   footprint(p, 4 m, 2 m) inside track
+"""
+
+
+@pytest.mark.parametrize("form", ["columns", "records", "lines"])
+def test_cycles_of_a_record_that_are_kept_as_they_came_in(form: str, tmp_path: Path) -> None:
+    """Objects as a list of records were an internal error, and lines, that are read from each row anew, a track that changes."""
+    path, now = tmp_path / "run.arrows", 0.0
+    sides = {"left": [[-50.0, 6.0], [500.0, 6.0]], "right": [[-50.0, -6.0], [500.0, -6.0]]}
+    track = {name: tm.line(points) for name, points in sides.items()} if form == "lines" else sides
+    objects = {"x": np.array([90.0, 99.0]), "y": (1.0, 2.0), "id": ["a", "b"]}
+    records = [{"x": 90.0, "y": np.float64(1.0), "id": "a"}, {"x": 99.0, "y": 2.0, "id": "b"}]
+    plan: dict[str, Any] = {
+        "t": np.array([0.0, 1.0]),
+        "x": (0.0, 5.0),
+        "y": [0.0, 0.0],
+        "heading": [0.0, 0.0],
+        "v": [0.0, 0.0],
+    }
+    supervisor = tm.supervisor(tm.loads(AS_IT_CAME), clock=lambda: now, record=path)
+    for number in range(3):
+        now = number * PERIOD
+        ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0, "shown": np.float64(36.0)}
+        others = objects if form == "columns" else records
+        decision = supervisor.step(
+            tm.Cycle(number, now, plan, plan, {"ego": ego, "objects": others, "track": track})
+        )
+        assert decision.safe, decision
+    supervisor.close()
+    recording = tm.load_recording(path)
+    assert (len(recording.cycles), recording.notes, recording.track) == (3, (), sides)
+    assert recording.cycles[2].objects == records
+    assert recording.cycles[2].candidates["driving"] == {name: list(column) for name, column in plan.items()}
+    assert all(type(value) is float for value in recording.cycles[2].ego.values())
 
 
 def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:

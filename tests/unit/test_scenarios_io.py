@@ -37,7 +37,13 @@ def sample() -> Recording:
         source="sample.tmrec.jsonl",
         cycles=(
             Cycle(0.0, ego, [other], {"driving": plan(), "emergency": plan(5.0)}),
-            Cycle(0.1, {**ego, "v": math.pi}, [], {"driving": {**plan(), "mu": [1.0, 0.9]}}),
+            Cycle(
+                0.1,
+                {**ego, "v": math.pi},
+                [],
+                {"driving": {**plan(), "mu": [1.0, 0.9]}},
+                obstacles=[{"id": "tyre", "x": 7.0}],
+            ),
         ),
         track={"left": [[0.0, 5.0], [9.0, 5.0]], "right": [[0.0, -5.0], [9.0, -5.0]], "closed": True},
         params={"R_min": 11.0},

@@ -27,7 +27,7 @@ OWN: dict[str, tuple[str, ...]] = {
 }
 #: Signals that the format has places of its own for.
 ELSEWHERE = {
-    "ego": "`ego` of the cycle", "objects": "`objects` of the cycle", "obstacles": "`obstacles` of the first line",
+    "ego": "`ego` of the cycle", "objects": "`objects` of the cycle", "obstacles": "`obstacles` of the first line, or of the cycle",
     "track": "`track` of the first line", "plan": "a candidate of the cycle", DRIVING: "`candidates` of the cycle",
     EMERGENCY: "which candidate it is",
 }  # fmt: skip
@@ -156,6 +156,7 @@ def _names(recording: Recording) -> Iterator[tuple[str, str, str]]:
                 yield "obstacles", name, ""
     for cycle in recording.cycles:
         records = [("ego", cycle.ego), *(("objects", each) for each in cycle.objects)]
+        records += [("obstacles", each) for each in cycle.obstacles or ()]
         records += [("plan", columns) for columns in cycle.candidates.values()]
         for where, record in records:
             for name in record:

@@ -57,7 +57,11 @@ def _filled(cycle: Cycle, of: Mapping[str, Mapping[str, float]]) -> Cycle:
         for name, plan in cycle.candidates.items()
     }
     objects = [_with(each, of["objects"]) for each in cycle.objects]
-    return replace(cycle, ego=_with(cycle.ego, of["ego"]), objects=objects, candidates=candidates)
+    standing = cycle.obstacles
+    obstacles = None if standing is None else [_with(each, of["obstacles"]) for each in standing]
+    return replace(
+        cycle, ego=_with(cycle.ego, of["ego"]), objects=objects, candidates=candidates, obstacles=obstacles
+    )
 
 
 def _with(record: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
@@ -87,7 +91,6 @@ def _records(recording: Recording, signal: str) -> Iterator[Mapping[str, Any]]:
     """Every record, or set of columns, that a recording has of a signal."""
     if signal == "obstacles":
         yield from recording.obstacles
-        return
     for cycle in recording.cycles:
         if signal == "plan":
             yield from cycle.candidates.values()
@@ -95,5 +98,7 @@ def _records(recording: Recording, signal: str) -> Iterator[Mapping[str, Any]]:
             yield cycle.ego
         elif signal == "objects":
             yield from cycle.objects
+        elif signal == "obstacles":
+            yield from cycle.obstacles or ()
         else:
             raise ValueError(f"no records of {signal!r} in a recording")

@@ -6,7 +6,7 @@ turns left, a pose is the centre of the vehicle's rectangle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
@@ -30,7 +30,8 @@ class Cycle:
     """One cycle of the Supervisor.
 
     t in s. ego: x, y, heading, v, mostly also kappa and a. objects: each with a text `id`, x, y, heading, v,
-    length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS. more: any other signal that a spec declares, by name.
+    length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS. more: any other signal that a spec declares, by name. obstacles: those of
+    this cycle, where they are others than those of the recording.
     """
 
     t: float
@@ -38,12 +39,12 @@ class Cycle:
     objects: list[dict[str, Any]]
     candidates: dict[str, Columns]
     more: dict[str, Any] = field(default_factory=dict)
+    obstacles: list[dict[str, Any]] | None = None
 
 
 def only(cycle: Cycle, name: str) -> Cycle:
     """The cycle with one of its objects."""
-    objects = [each for each in cycle.objects if each["id"] == name]
-    return Cycle(cycle.t, cycle.ego, objects, cycle.candidates, cycle.more)
+    return replace(cycle, objects=[each for each in cycle.objects if each["id"] == name])
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +52,8 @@ class Recording:
     """Cycles on one track, with parameters and tables that override the spec's, and ground truth.
 
     ground_truth has one entry a cycle: True is safe, False is unsafe, None leaves any verdict free (the paper,
-    section V-D); by kind, and by single rules (`rule one_move of driving for blue`). obstacles stand still for the whole run: text `id`, x, y, heading, length, width. `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
+    section V-D); by kind, and by single rules (`rule one_move of driving for blue`). obstacles stand still for the whole run, but for
+    cycles that have others: text `id`, x, y, heading, length, width. `use` names configuration specs to apply. `source`, the path as given, is no part of equality.
     """
 
     name: str
@@ -79,10 +81,14 @@ class Recording:
     #: Whether it was generated from a declaration, and nobody recorded it.
     generated: bool = field(default=False, compare=False)
 
+    def standing(self, cycle: Cycle) -> list[dict[str, Any]]:
+        """The obstacles of a cycle."""
+        return self.obstacles if cycle.obstacles is None else cycle.obstacles
+
     def signals(self, cycle: Cycle, candidate: str) -> dict[str, Any]:
         """The signals of one check: plan, ego, objects, obstacles, track, and whether it is the emergency plan.
 
-        Nothing is copied; `track` and `obstacles` are the same objects for every cycle. Raises D144.
+        Nothing is copied; `track` is the same object for every cycle. Raises D144.
         """
         plan = cycle.candidates.get(candidate)
         if plan is None:
@@ -93,7 +99,7 @@ class Recording:
             "plan": plan,
             "ego": cycle.ego,
             "objects": cycle.objects,
-            "obstacles": self.obstacles,
+            "obstacles": self.standing(cycle),
             "track": self.track,
             "emergency": candidate == "emergency",
             **self.always,

@@ -91,6 +91,8 @@ def encode(recording: Recording) -> Iterator[str]:
             "objects": cycle.objects,
             "candidates": cycle.candidates,
         }
+        if cycle.obstacles is not None:
+            line["obstacles"] = cycle.obstacles
         if cycle.more:
             line["signals"] = cycle.more
         if recording.ground_truth:

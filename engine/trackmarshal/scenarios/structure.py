@@ -34,7 +34,7 @@ _HEADER = (
     "given",
     "because",
 )
-_CYCLE = ("t", "ego", "objects", "candidates", "ground_truth", "signals")
+_CYCLE = ("t", "ego", "objects", "candidates", "ground_truth", "signals", "obstacles")
 _NEEDED = _CYCLE[:4]
 
 
@@ -113,6 +113,7 @@ def cycle(value: dict[str, Any]) -> tuple[Cycle, dict[str, bool | None]]:
         objects,
         {name: _columns(item, f"candidates.{name}") for name, item in candidates.items()},
         _signals(value.get("signals", {})),
+        _objects(value["obstacles"], "obstacles") if "obstacles" in value else None,
     )
     truth = _mapping(value.get("ground_truth", {}), "ground_truth")
     _keys(truth, "ground_truth", needed=(), known=(*TRUTHS, *(name for name in truth if label(name))))

@@ -20,6 +20,7 @@ from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.door.lines import line as line_of
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.program import NOTHING, Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
@@ -49,7 +50,7 @@ def cycles(recording: Recording, declared: frozenset[str] = frozenset()) -> Iter
         signals: dict[str, Any] = {
             "ego": cycle.ego,
             "objects": cycle.objects,
-            "obstacles": recording.obstacles,
+            "obstacles": recording.standing(cycle),
             "track": track,
             **recording.always,
             **cycle.more,
@@ -228,55 +229,64 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     run = read(data, shown)
     kept: list[RecordedCycle] = []
     track: dict[str, Any] = {}
-    stopped = ""
+    obstacles: list[dict[str, Any]] = []
+    notes: list[str] = []
     for one in run.cycles:
         cycle = one.cycle
         if type(cycle) is not Cycle or one.value("faults") != "[]":
             continue
-        given = {line: _list(value) for line, value in cycle.signals.get("track", {}).items()}
-        if track and given != track:
-            stopped = f"the track changes at {moment(cycle.t)} s; what follows is left out"
+        signals = _plain(cycle.signals)
+        given, standing = signals.get("track") or {}, _elements(signals.get("obstacles"))
+        if kept and given != track:
+            notes.append(f"the track changes at {moment(cycle.t)} s; what follows is left out")
             break
-        track = given
+        if not kept:
+            track, obstacles = given, standing
         kept.append(
             RecordedCycle(
                 cycle.t,
-                dict(cycle.signals["ego"]),
-                _records(cycle.signals.get("objects", {})),
-                {DRIVING: _columns(cycle.driving), EMERGENCY: _columns(cycle.emergency)},
-                {name: _plain(value) for name, value in cycle.signals.items() if name not in ELSEWHERE},
+                signals["ego"],
+                _elements(signals.get("objects")),
+                {DRIVING: _plain(cycle.driving), EMERGENCY: _plain(cycle.emergency)},
+                {name: value for name, value in signals.items() if name not in ELSEWHERE},
+                None if standing == obstacles else standing,
             )
         )
     if not kept:
         raise TrackmarshalError(
             "D130", "the record has no cycle that passed the door", file=shown, help="replay it as it is"
         )
-    first = next(one.cycle for one in run.cycles if one.value("faults") == "[]")
+    if any(cycle.obstacles is not None for cycle in kept):
+        notes.append("its obstacles are not the same in all cycles; drawn are those of the first one")
+    if run.damage:
+        notes.append(run.damage)
     left_out = len(run.cycles) - len(kept)
-    notes = [note for note in (stopped, run.damage) if note]
     if left_out:
         notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
-    obstacles = _records(first.signals.get("obstacles", {}))
     params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
     return Recording(name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes))
 
 
-def _list(value: Any) -> Any:
+def _plain(value: Any) -> Any:
+    """What a record has, of any kind and as it came in, as lists."""
+    if isinstance(value, Line):
+        return value.points.tolist()
+    if isinstance(value, Mapping):
+        return {name: _plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _plain(value: Any) -> Any:
-    """A signal of a record, whatever its kind, as lists."""
-    return {name: _list(part) for name, part in value.items()} if isinstance(value, Mapping) else _list(value)
-
-
-def _columns(columns: Mapping[str, Any]) -> dict[str, list[float]]:
-    return {name: _list(column) for name, column in columns.items()}
-
-
-def _records(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
-    listed = {name: _list(column) for name, column in columns.items()}
-    return [dict(zip(listed, values)) for values in zip(*listed.values())]
+def _elements(given: Any) -> list[dict[str, Any]]:
+    """The elements of a set, given as records or as columns; those without an id are counted, as the door does."""
+    if isinstance(given, Mapping):
+        listed = {name: column for name, column in given.items() if column is not None}
+        given = [dict(zip(listed, values)) for values in zip(*listed.values())]
+    return [
+        {**each, "id": str(place) if each.get("id") is None else each["id"]}
+        for place, each in enumerate(given or ())
+    ]
 
 
 class _Clock:
