@@ -5,7 +5,7 @@ CODES = {
     "D202": ("wrong type", "A number, a list or an object stands where the signal's declaration asks for something else."),
     "D203": ("unknown parameter, table, place or field", "`params`, `tables` and `places` override what the spec declares, by its name; a name that it does not declare is refused. So is a key that is almost the name of one with a default, which would silently be used instead."),
     "D240": ("data in place of a table of two arguments", "`tables` in data, in recordings and in C's configuration are rows [x, y], of tables of one argument. A table of two is replaced as a whole by a configuration: a module that declares one of the same name, arguments and units."),
-    "D204": ("an override that cannot stand", "An override must be finite, lie inside the declared range, and table knots must ascend."),
+    "D204": ("an override that cannot stand", "An override must be finite, lie inside the declared range, and be given by one of its names alone; table knots must ascend."),
     "D205": ("arrays that do not fit together", "The arrays of a batch have one row a case: all as many, at least one, and within a signal as many samples or elements. A column without the axis of cases is the same in all of them."),
     "D211": ("missing", "A signal, or a field of it, that a chosen rule reads is not there. The rules that read it are undefined."),
     "D212": ("unequal columns", "The columns of a timeline have different lengths. The rules that read the signal are undefined."),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import Any
 
 from trackmarshal.diagnostics.base import close_matches
@@ -32,13 +32,13 @@ class SettingsReader:
         tables: dict[str, Any] = {}
         places: dict[str, Any] = {}
         for name, value in _given(data, "params").items():
-            param: ParamInfo = _find(self._params, name, "parameter")
+            param: ParamInfo = _find(self._params, name, "parameter", params)
             params[param.name] = check_param(param, _number(value, f"params.{name}"))
         for name, rows in _given(data, "tables").items():
-            table: TableInfo = _find(self._tables, name, "table")
+            table: TableInfo = _find(self._tables, name, "table", tables)
             tables[table.name] = check_table(table, rows)
         for name, points in _given(data, "places").items():
-            place: PlaceInfo = _find(self._places, name, "place")
+            place: PlaceInfo = _find(self._places, name, "place", places)
             places[place.name] = check_place(place, points)
         return Settings(params, tables, places)
 
@@ -114,7 +114,8 @@ def _by_short_name(infos: Mapping[str, Any]) -> dict[str, list[Any]]:
     return result
 
 
-def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
+def _find(known: dict[str, list[Any]], name: str, what: str, given: Container[str]) -> Any:
+    """What is meant by a name, of what is declared; raises D203, and D204 for what was given already, by its other name."""
     found = known.get(name, [])
     if not found:
         shorts = list(dict.fromkeys(short_name(info) for infos in known.values() for info in infos))
@@ -131,6 +132,9 @@ def _find(known: dict[str, list[Any]], name: str, what: str) -> Any:
         raise TrackmarshalError(
             "D203", f"{what} `{name}` is declared in several modules", help=f"write {choices}"
         )
+    if found[0].name in given:
+        message = f"{what} `{found[0].name}` is given twice, by its short name and by its whole one"
+        raise TrackmarshalError("D204", message, help="leave one of them out")
     return found[0]
 
 
