@@ -20,6 +20,7 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.saving import damaged
+from trackmarshal.runtime.settings import as_plain
 from trackmarshal.runtime.snapshots import EVERY, Snapshot
 from trackmarshal.runtime.supervisor import Supervisor
 
@@ -78,7 +79,7 @@ def rulebox(
     settings = evaluator.reader.settings(given)
     if settings.broken:
         raise TrackmarshalError("E403", settings.broken[0], help="change the parameters")
-    return Rulebox(evaluator, settings, {**evaluator.identity, **given})
+    return Rulebox(evaluator, settings, {**evaluator.identity, **as_plain(given)})
 
 
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:

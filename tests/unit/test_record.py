@@ -238,6 +238,25 @@ def test_a_head_that_describes_no_judge(identity: Any, tmp_path: Path) -> None:
     assert caught.value.code == "D162"
 
 
+def test_numbers_of_numpy_among_the_values_in_force(tmp_path: Path) -> None:
+    """They were taken without a record, and with one there was a TypeError of JSON."""
+    spec = tm.loads(
+        "module own\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "signal ego : state { x: m, y: m, heading: rad }\nparam most : m/s = 30 m/s\n"
+        "table slow(x: m) -> m/s = linear clamp | 0 m: 5 m/s | 9 m: 6 m/s |\n"
+        "rule limited\n  for all p in plan\n  require p.v <= min(most, slow(p.x))\n"
+    )
+    for number, most in enumerate((np.float32(20), np.int64(20), np.array(20))):
+        path = tmp_path / f"{number}.arrows"
+        tables = {"slow": np.array([[0.0, 5.0], [8.0, 7.0]])}
+        tm.supervisor(spec, record=path, params={"most": most}, tables=tables).close()  # type: ignore[dict-item]
+        identity = read(path.read_bytes(), "run").identity
+        assert (identity["params"], identity["tables"]) == (
+            {"most": 20.0},
+            {"slow": [[0.0, 5.0], [8.0, 7.0]]},
+        )
+
+
 def test_a_file_that_is_there_is_not_touched(tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
     path.write_bytes(b"mine")

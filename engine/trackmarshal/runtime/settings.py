@@ -43,6 +43,16 @@ class SettingsReader:
         return Settings(params, tables, places)
 
 
+def as_plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters and tables that a reader took, in the declared units, as JSON has them: whatever numbers they are of."""
+    params = {name: _number(value, f"params.{name}") for name, value in data["params"].items()}
+    tables = {
+        name: [list(pair) for pair in _points(rows, f"tables.{name}")]
+        for name, rows in data["tables"].items()
+    }
+    return {"params": params, "tables": tables}
+
+
 def check_param(info: ParamInfo, value: float) -> float:
     """An override in the declared unit to SI; raises D204 when it is not finite or outside the declared range."""
     number = to_si(value, info.unit)
