@@ -15,7 +15,7 @@ from trackmarshal.backends.numpy.whole.leaves import Leaves, of_arrays, of_frame
 from trackmarshal.backends.numpy.whole.outcomes import Outcome, Said, Saying, following
 from trackmarshal.backends.over_run.program import explained, remembers
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.overrun import leaves, nanoseconds
+from trackmarshal.ir.overrun import FURTHEST, leaves, nanoseconds
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import SAFE_CODES
@@ -316,6 +316,13 @@ class WholeRun:
             raise TrackmarshalError(
                 "D206", "the stamps of the cycles are no array of whole nanoseconds",
                 help="give `t` as an int64 array (cycles,), such as np.rint(seconds * 1e9).astype(np.int64)",
+            )  # fmt: skip
+        if (
+            not -FURTHEST < int(stamps.min()) <= int(stamps.max()) < FURTHEST
+        ):  # with windows added, they would leave 64 bits
+            raise TrackmarshalError(
+                "D206", f"stamps of cycles are within {FURTHEST / 1e9:g} s of 0, and one is not",
+                help="they are in ns; `NaT` of numpy's times is -2^63: leave such a cycle out, and count it in `missed`",
             )  # fmt: skip
         stamps = stamps.astype(np.int64)
         before = stamps[:1] - 1 if self._last is None else np.array([self._last])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import trackmarshal as tm
@@ -71,3 +72,21 @@ def test_a_stamp_out_of_reach_is_a_fault_of_the_cycle(rules: str, backend: str) 
 @pytest.mark.parametrize("begin", [FURTHEST - 0.25, 1e12])
 def test_without_rules_over_the_run_no_stamp_is_out_of_reach(begin: float, backend: str) -> None:
     assert said(run('rule calm "" require ego.v < 40 m/s\n', begin, backend)) == [("drive", [])] * 6
+
+
+@pytest.mark.parametrize("first", [-(2**63), -(2**63) + 1, 2**63 - 2 * 10**9, 2**63])
+def test_a_stamp_out_of_reach_among_those_of_arrays(first: int) -> None:
+    """Less a window, it was far in the future: the first cycle, which violates the rule, was in none, and satisfied it."""
+    spec = loads(
+        'module m\nsignal ego : state { v: m/s }\nrule calm "" require not once[0 s, 5 s] ego.v > 40 m/s\n'
+    )
+    stamps = np.array([first, first + 10**9], dtype=np.uint64 if first == 2**63 else np.int64)
+    for whole, begin in (
+        (tm.Evaluator(spec).whole_run(), stamps),
+        (tm.Evaluator(spec).whole_run(), stamps[:1]),
+    ):
+        with pytest.raises(tm.TrackmarshalError) as refused:
+            whole.step(begin, {"ego": {"v": np.array([50.0, 1.0])[: len(begin)]}})
+        assert (refused.value.code, "within 4e+09 s" in refused.value.message) == ("D206", True)
+    near = tm.Evaluator(spec).whole_run().step(np.array([0, 10**9]), {"ego": {"v": np.array([50.0, 1.0])}})
+    assert near.verdicts["calm"].tolist() == ["violated", "violated"]
