@@ -15,6 +15,7 @@ from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.evaluation import load as load_spec
+from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.scenarios.faults.campaign import Bench, fingerprint
 from trackmarshal.scenarios.faults.changes import change
@@ -363,15 +364,39 @@ def test_decisions_that_differ_the_second_time_are_no_evidence(campaign: Campaig
 def test_a_fingerprint_changes_with_all_that_counts(campaign: Campaign) -> None:
     one, other = campaign.faults[0], campaign.faults[2]
     prints = [
-        fingerprint(campaign, one, "r", "s", Limits()),
-        fingerprint(campaign, other, "r", "s", Limits()),
-        fingerprint(campaign, one, "r2", "s", Limits()),
-        fingerprint(campaign, one, "r", "s2", Limits()),
-        fingerprint(campaign, one, "r", "s", Limits(apart=3.0)),
-        fingerprint(replace(campaign, lead=1.0), one, "r", "s", Limits()),
+        fingerprint(campaign, one, "r", "s", Limits(), ()),
+        fingerprint(campaign, other, "r", "s", Limits(), ()),
+        fingerprint(campaign, one, "r2", "s", Limits(), ()),
+        fingerprint(campaign, one, "r", "s2", Limits(), ()),
+        fingerprint(campaign, one, "r", "s", Limits(apart=3.0), ()),
+        fingerprint(replace(campaign, lead=1.0), one, "r", "s", Limits(), ()),
     ]
     assert len(set(prints)) == len(prints)
-    assert fingerprint(load(SHIPPED, "elsewhere.yaml"), one, "r", "s", Limits()) == prints[0]
+    assert fingerprint(load(SHIPPED, "elsewhere.yaml"), one, "r", "s", Limits(), ()) == prints[0]
+
+
+def test_what_was_found_by_a_rule_of_another_requirement_is_found_out_anew(
+    campaign: Campaign, bench: Bench
+) -> None:
+    """The link of a rule is no part of what it means: with another one, a fault that had been found by it counted as found."""
+    fault, evaluator = friction(campaign), bench._box.evaluator
+    (link, span), *_ = next(rule.satisfies for rule in evaluator.rules if rule.name == "friction")
+    assert link == fault.requirement
+
+    def linked(*links: str) -> Evaluator:
+        spec = evaluator.spec
+        own = {"satisfies": tuple((name, span) for name in links)}
+        rules = [RuleInfo(**{**r.__dict__, **own}) if r.name == "friction" else r for r in spec.rules]
+        return Evaluator(Spec(**{**spec.__dict__, "rules": tuple(rules)}))
+
+    def known(evaluator: Evaluator) -> str:
+        return fingerprint(campaign, fault, "r", "s", Limits(), evaluator.rules)
+
+    other = copy.copy(bench)
+    other._box = replace(bench._box, evaluator=linked("S-1-A-5"))
+    assert other.run(campaign, fault).wrong == "friction satisfies S-1-A-5, expected S-1-A-4"
+    assert known(linked("S-1-A-5")) != known(evaluator)
+    assert known(linked("S-1-A-5", link)) == known(evaluator)  # which changes no outcome
 
 
 def test_the_limits_are_those_of_the_project(campaign: Campaign, tmp_path: Path) -> None:

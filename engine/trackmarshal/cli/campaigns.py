@@ -47,8 +47,9 @@ class Prepared:
         fault = self.campaign.faults[number]
         if self.evaluator is None or fault.open:
             return ""
+        limits = Limits.of(self.evaluator.spec)
         return fingerprint(
-            self.campaign, fault, self.source_hash, self.evaluated, Limits.of(self.evaluator.spec)
+            self.campaign, fault, self.source_hash, self.evaluated, limits, self.evaluator.rules
         )
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.cycle import DRIVING, Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import name_of
@@ -49,10 +51,16 @@ class Outcome:
     wrong: str
 
 
-def fingerprint(campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits) -> str:
-    """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits."""
+def fingerprint(
+    campaign: Campaign, fault: Fault, source_hash: str, spec: str, limits: Limits, rules: Sequence[RuleInfo]
+) -> str:
+    """sha256 of all that an outcome depends on: the fault as declared, the recording, rules and values, the limits; and of the requirements of rules,
+    which are no part of what these mean, whether the one that is to find it satisfies that of the fault, and whether any does."""
     held = [(field.name, value) for field, value in zip(fields(limits), astuple(limits))]
-    made_of = [fault.digest, campaign.lead, source_hash, spec, held]
+    by = "" if fault.expected is None else fault.expected.by
+    finder = [rule for rule in rules if rule.name == by]
+    asked = [fault.requirement in _satisfied(each) for each in (finder, rules)]
+    made_of = [fault.digest, campaign.lead, source_hash, spec, held, asked]
     return hashlib.sha256(json.dumps(made_of).encode()).hexdigest()
 
 
@@ -64,7 +72,7 @@ class Bench:
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = limits_with(evaluator.spec, {}, self._box.settings) if limits is None else limits
-        self._evaluated = frozenset(name for rule in evaluator.rules for name, _ in rule.satisfies)
+        self._evaluated = _satisfied(evaluator.rules)
         self._cycles = list(cycles(recording))
         self._judging = Judging(evaluator.program)
 
@@ -125,6 +133,11 @@ class Bench:
                 "D153", message, file=campaign.source, line=fault.line, help="choose a time that it has"
             )
         return said, disturbed
+
+
+def _satisfied(rules: Iterable[RuleInfo]) -> frozenset[str]:
+    """The requirements that some rules satisfy."""
+    return frozenset(name for rule in rules for name, _ in rule.satisfies)
 
 
 class _Clock:
