@@ -12,11 +12,14 @@ import pytest
 from support.length import shared_out
 from support.shared import REPOSITORY
 from support.supervised import everything
+from trackmarshal.cli.evidence import run_inputs
 from trackmarshal.cli.sources import read_specs
+from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.meaning import Meaning, fingerprint_of_test, key
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.trace import requirements
+from trackmarshal.trace.spec import changed as why_stale
 
 Prints = dict[tuple[str, ...], str]
 
@@ -150,3 +153,23 @@ def test_a_rule_that_reads_what_has_an_error(tmp_path: Path) -> None:
     compiled = compile_paths([path], tmp_path)
     assert [one.code for one in compiled.found if one.level == "error"] == ["E302"]
     assert "param m.top" in Meaning(compiled.spec).rule(compiled.spec.rules[0])
+
+
+def test_a_rule_that_the_ground_truth_no_longer_judges_makes_runs_stale(tmp_path: Path) -> None:
+    """The generator knows rules by the first name of their module, which is no part of what a rule means: of one that had moved, a kept run still counted."""
+
+    def inputs(module: str, rule: str = "slow") -> dict[str, str]:
+        path = tmp_path / Path(*module.split(".")).with_suffix(".spec")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(
+            f"module {module}\nsignal ego : state {{ v: m/s }}\nrule {rule}\n  require ego.v <= 9 m/s\n",
+            "utf-8",
+        )
+        return run_inputs(Evaluator(load(path)), "recording")
+
+    before, moved = inputs("supervisor.own"), inputs("own.rules")
+    said = "which rules the ground truth of generated recordings judges has changed since"
+    assert why_stale(before, moved) == said
+    assert {name for name in before if before[name] != moved[name]} == {"judged"}
+    assert inputs("supervisor.others") == before
+    assert run_inputs(Evaluator(load(tmp_path / "own" / "rules.spec")), None).keys() == {"rule slow"}

@@ -192,7 +192,8 @@ def file_hash(path: Path) -> str:
 
 
 def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:
-    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, the Supervisor's limits, the engine.
+    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, which of them the ground truth
+    of generated recordings judges, the Supervisor's limits, the engine.
 
     Of a run that is kept because it cannot be made again at any time, the rules alone (`recording` is None).
     """
@@ -200,11 +201,13 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
 
     from trackmarshal.meaning import sha256, tool
     from trackmarshal.runtime.cycle import Limits
+    from trackmarshal.scenarios.labels import known
 
     others = {}
     if recording is not None:
         limits = sha256(*(repr(value) for value in astuple(Limits.of(evaluator.spec))))
-        others = {"recording": recording, "limits": limits, "engine": tool()}
+        judged = sha256(*sorted(rule.name for rule in evaluator.rules if known(rule)))
+        others = {"recording": recording, "limits": limits, "judged": judged, "engine": tool()}
         if named:
             others["named"] = named
     return dict(_meaning(evaluator).run(evaluator.rules, others))

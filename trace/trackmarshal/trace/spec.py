@@ -131,7 +131,7 @@ _CALLED = {
 _WHOLE = {
     "constraints": "the constraints on its parameters", "test": "what the test gives or expects", "engine": "the engine",
     "recording": "the recording", "named": "a file that the scenario names", "limits": "the limits of the Supervisor",
-    "distance": "how far limits are moved",
+    "distance": "how far limits are moved", "judged": "which rules the ground truth of generated recordings judges",
 }  # fmt: skip
 
 
