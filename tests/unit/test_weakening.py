@@ -135,6 +135,23 @@ def test_another_rule_is_one_more_reason_to_compare(car: Path, monkeypatch: pyte
     assert compared == [["speed_limit"]] * 2
 
 
+def test_another_track_is_one_more_reason_to_compare(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scenario names its track in a file of its own: what had been compared on the old one was told of the new one."""
+    rule(car, "p.v <= v_event + slack + 2 m/s")
+    assert findings(car, "T370")
+    asked: list[list[str]] = []
+
+    def listening(_: Weakening, wanted: dict[str, object]) -> list[tuple[str, str, str, bool]]:
+        asked.append([*wanted])
+        return [(name, "not told", "nothing", False) for name in wanted]
+
+    monkeypatch.setattr(Weakening, "_compared", listening)
+    track = car / "specs" / "tracks" / "straight.yaml"
+    track.write_text(track.read_text("utf-8").replace("length: 1000", "length: 900"), "utf-8")
+    assert findings(car, "T370")
+    assert asked == [["speed_limit"]]
+
+
 def test_where_nothing_changed_nothing_is_asked(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> None:
         raise AssertionError("asked")

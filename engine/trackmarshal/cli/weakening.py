@@ -84,12 +84,9 @@ class Weakening:
         """others: a hash of all rules that were accepted, since what is driven, and what rules over the run remember of it, is decided by all."""
         from trackmarshal.meaning import key, sha256, tool
 
-        recorded = sha256(
-            *(
-                f"{path} {inputs.get('recording', '')}"
-                for path, inputs in sorted(self._facts.run_inputs.items())
-            )
-        )
+        # With all that runs rest on: a scenario names its track, and rules are configured with it.
+        runs = sorted(self._facts.run_inputs.items())
+        recorded = sha256(*(f"{path} {key(inputs)}" for path, inputs in runs))
         rules = sha256(others, *(item.fingerprint for item in self._items.values()))
         left: dict[str, dict[str, str]] = {}
         for name, accepted in wanted.items():
