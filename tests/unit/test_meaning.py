@@ -14,7 +14,7 @@ from support.shared import REPOSITORY
 from support.supervised import everything
 from trackmarshal.cli.evidence import run_inputs
 from trackmarshal.cli.sources import read_specs
-from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.evaluation import Evaluator, load, loads
 from trackmarshal.ir.spec import Spec
 from trackmarshal.meaning import Meaning, fingerprint_of_test, key
 from trackmarshal.semantics.compile import compile_paths
@@ -153,6 +153,23 @@ def test_a_rule_that_reads_what_has_an_error(tmp_path: Path) -> None:
     compiled = compile_paths([path], tmp_path)
     assert [one.code for one in compiled.found if one.level == "error"] == ["E302"]
     assert "param m.top" in Meaning(compiled.spec).rule(compiled.spec.rules[0])
+
+
+def test_what_every_cycle_is_held_against_is_noticed_where_no_rule_reads_it() -> None:
+    """Of a project whose rules read the plan alone, runs held on when the range of the car's own speed became one that their cycles break."""
+
+    def inputs(most: int, demand: str) -> dict[str, str]:
+        text = "module own\nsignal plan : trajectory { t: s, x: m, y: m, heading: rad, v: m/s }\n"
+        text += f"signal ego : state {{ x: m, y: m, heading: rad, v: m/s in [0, {most}] }}\n"
+        return run_inputs(Evaluator(loads(f"{text}rule slow\n  require {demand} <= 9 m/s\n")), "recording")
+
+    wide, narrow = (inputs(most, "plan.first.v") for most in (150, 5))
+    assert why_stale(wide, narrow) == "the signal `ego` has changed since"
+    assert (
+        why_stale(*(inputs(most, "plan.first.v + ego.v") for most in (150, 5)))
+        == "the rule `slow` has changed since"
+    )
+    assert inputs(150, "ego.v").keys() >= {"signal plan"}
 
 
 def test_a_rule_that_the_ground_truth_no_longer_judges_makes_runs_stale(tmp_path: Path) -> None:

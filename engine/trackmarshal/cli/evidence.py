@@ -192,22 +192,25 @@ def file_hash(path: Path) -> str:
 
 
 def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:
-    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, which of them the ground truth
-    of generated recordings judges, the Supervisor's limits, the engine.
+    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, what every cycle is held
+    against and no rule reads, which rules the ground truth of generated recordings judges, the Supervisor's limits, the engine.
 
-    Of a run that is kept because it cannot be made again at any time, the rules alone (`recording` is None).
+    Of a run that is kept because it cannot be made again at any time, the rules and the contract alone (`recording` is None).
     """
     from dataclasses import astuple
 
-    from trackmarshal.meaning import sha256, tool
+    from trackmarshal.meaning import of, sha256, tool
+    from trackmarshal.runtime.contract import EGO, PLAN
     from trackmarshal.runtime.cycle import Limits
     from trackmarshal.scenarios.labels import known
 
-    others = {}
+    spec, read = evaluator.spec, {signal for rule in evaluator.rules for signal, _ in rule.reads}
+    unread = [name for name in (PLAN, EGO) if name in spec.signals and name not in read]
+    others = {f"signal {name}": of(spec.signals[name]) for name in unread}
     if recording is not None:
-        limits = sha256(*(repr(value) for value in astuple(Limits.of(evaluator.spec))))
+        limits = sha256(*(repr(value) for value in astuple(Limits.of(spec))))
         judged = sha256(*sorted(rule.name for rule in evaluator.rules if known(rule)))
-        others = {"recording": recording, "limits": limits, "judged": judged, "engine": tool()}
+        others |= {"recording": recording, "limits": limits, "judged": judged, "engine": tool()}
         if named:
             others["named"] = named
     return dict(_meaning(evaluator).run(evaluator.rules, others))
