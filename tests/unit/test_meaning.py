@@ -12,7 +12,7 @@ import pytest
 from support.length import shared_out
 from support.shared import REPOSITORY
 from support.supervised import everything
-from trackmarshal.cli.evidence import run_inputs
+from trackmarshal.cli.evidence import run_inputs, spec_items, spec_parts
 from trackmarshal.cli.sources import read_specs
 from trackmarshal.evaluation import Evaluator, load, loads
 from trackmarshal.ir.spec import Spec
@@ -170,6 +170,21 @@ def test_what_every_cycle_is_held_against_is_noticed_where_no_rule_reads_it() ->
         == "the rule `slow` has changed since"
     )
     assert inputs(150, "ego.v").keys() >= {"signal plan"}
+
+
+def test_what_every_cycle_is_held_against_is_held_by_the_baseline() -> None:
+    """Its ranges could be taken away without a word, as no rule read them: the gate stayed open."""
+
+    def parts(contract: str) -> dict[str, str]:
+        text = "module own\nsignal plan : trajectory { t: s, x: m, y: m, heading: rad, v: m/s }\n"
+        text += f"signal ego : state {{ x: m, y: m, heading: rad, v: m/s {contract} }}\nsignal rain : state {{ mm: 1 }}\n"
+        spec = loads(f"{text}rule slow\n  require plan.first.v <= 9 m/s\n")
+        found = spec_parts(spec, spec_items(Meaning(spec)))
+        return {part.name: part.fingerprint for part in found if part.kind == "signal"}
+
+    held, left_out = parts("in [0, 9]"), parts("")
+    assert held.keys() == {"plan", "ego"}
+    assert {name for name in held if held[name] != left_out[name]} == {"ego"}
 
 
 def test_a_rule_that_the_ground_truth_no_longer_judges_makes_runs_stale(tmp_path: Path) -> None:

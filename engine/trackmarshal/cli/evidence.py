@@ -67,12 +67,15 @@ def spec_items(meaning: Meaning) -> list[SpecItem]:
 def spec_parts(
     spec: Spec, items: Iterable[SpecItem], shipped: Collection[str] = (), tests: Iterable[PreparedTest] = ()
 ) -> list[SpecPart]:
-    """What rules and assumptions read, parameters that the numbers of tests are made of, all constraints, and the limits of the Supervisor, as the matrix sees them."""
+    """What rules and assumptions read, and every cycle is held against, parameters that the numbers of tests are made of, all constraints, and the limits of
+    the Supervisor, as the matrix sees them."""
     from trackmarshal.meaning import in_order, of, restricted
+    from trackmarshal.runtime.contract import EGO, PLAN
     from trackmarshal.units import in_full
 
     read = {name for item in items for name in item.inputs}
     read |= {f"param {name}" for test in tests for name in test.told.reads}
+    read |= {f"signal {name}" for name in (PLAN, EGO)}
     found: list[tuple[str, str, Any, str]] = []
     for name, param in spec.params.items():
         low, high = (("" if end is None else in_full(end, param.unit)) for end in (param.lower, param.upper))
