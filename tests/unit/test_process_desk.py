@@ -22,6 +22,7 @@ from trackmarshal.backends.c.build import EXACT, SHARED, _built, compiler
 from trackmarshal.backends.c.process.emit import Emitted
 from trackmarshal.backends.c.source import generate
 from trackmarshal.process.client import Border, Client
+from trackmarshal.process.executing import Executing
 from trackmarshal.process.messages import Layout, LinkError, Message
 from trackmarshal.process.shared_memory import Region
 from trackmarshal.runtime.cycle import Limits
@@ -481,6 +482,25 @@ def test_a_decision_is_about_the_cycle_as_it_was_numbered_and_stamped(c: C) -> N
         assert said["t"] == 0.8 if stamp else math.isnan(said["t"])
 
 
+def test_samples_that_a_large_stamp_moves_to_one_time_are_decided_about(c: C) -> None:
+    """The decision can be read, and is executed: whoever drives fell back from what is safe."""
+    desk, planner = Desk(c), Planner(c.layout)
+    planner.now = 1e6
+    planner.channel.kept.clear()
+    times = [0.0, 2.0, 2.0 + 1e-11]
+    plan = {**PLAN, "t": times, "x": [1e7 + x for x in (0.0, 10.0, 10.0)]}
+    signals = planner.signals()
+    signals["ego"]["x"] = 1e7
+    planner.client.send(1, planner.now, plan, plan, signals)
+    said = desk.decided(list(planner.channel.kept))
+    assert said["safe"] == 1
+    for group in ("driving", "fallback"):
+        assert said.column(group, "due").tolist() == [1e6, 1e6 + 2.0, 1e6 + 2.0]
+    executing = Executing(c.layout, simulated=True)
+    assert executing.hear(bytes(said.data)) == "none"
+    assert executing.at(1e6).action == "drive"
+
+
 def test_faults_of_a_sender_keep_their_names(c: C) -> None:
     desk, planner = Desk(c), Planner(c.layout)
     planner.channel.kept.clear()
@@ -535,11 +555,11 @@ def _edges(c: C) -> Iterator[Edge]:
         yield kind, name, place, good, bad, {}
     for group in ("driving", "fallback"):
         for place, due, bad_due in (
-            (7, -1.5, -2.0),
+            (7, -2.0, -2.5),
             (7, 9e8, 1e9 - 2.0),
             (7, -1.0, math.inf),
             (0, -9.0, math.nan),
-            (0, -9.0, -7.0),
+            (0, -7.0, -6.5),
         ):
             yield "decision", f"{group}/due", place, due, bad_due, {}
 
