@@ -191,6 +191,11 @@ def test_changes_of_time_and_judge() -> None:
         ("{column: driving.v, set: 85}", "{column: obstacles.x, keep: 1}", "for trajectories"),
         ("{column: driving.v, set: 85}", "{trajectory: driving}", "one operation"),
         ("{column: driving.v, set: 85}", "{trajectory: sideways, left: 1}", "not known"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving, keep: -3}", "out of range"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving, keep: 1.5}", "not a whole number"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving, refine: 1}", "out of range"),
+        ("{column: driving.v, set: 85}", "{trajectory: driving, refine: 4.5}", "not a whole number"),
+        ("{column: driving.v, set: 85}", "{cycle: number, add: 1.5}", "not a whole number"),
         ("{column: driving.v, set: 85}", "{signal: objects, left: 1}", "is the car's"),
         ("{column: driving.v, set: 85}", "{border: left, swap: [1]}", "no range"),
         ("{column: driving.v, set: 85}", "{border: left}", "one operation"),
@@ -327,6 +332,22 @@ def test_a_fault_that_changes_nothing_shows_nothing(
     outcome = bench.run(campaign, replace(friction(campaign), changes=changes, expected=None))
     assert outcome.first is None
     assert outcome.wrong == ("it changes nothing: all cycles are as they were recorded" if idle else "")
+
+
+@pytest.mark.parametrize(
+    ("nowhere", "text"),
+    [
+        ("{field: ego.heading, set: inf}", "{signal: ego, left: 3}"),
+        ("{column: driving.heading, set: inf}", "{trajectory: driving, left: 3}"),
+    ],
+)
+def test_what_faces_nowhere_cannot_be_moved_to_the_left(
+    campaign: Campaign, bench: Bench, nowhere: str, text: str
+) -> None:
+    changes = tuple(change(document.read(each.encode(), "f.yaml")) for each in (nowhere, text))
+    with pytest.raises(TrackmarshalError, match="changes what is not there") as caught:
+        bench.run(campaign, replace(friction(campaign), changes=changes))
+    assert caught.value.code == "D153"
 
 
 def test_a_fault_may_say_that_nothing_is_put_in(campaign: Campaign, bench: Bench) -> None:

@@ -114,8 +114,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D153": (
         "a fault that cannot be put in",
-        "The fault changes a column, a field or an object that the recording does not have, or none of its cycles lies in the fault's time. "
-        "It would be evidence for nothing.",
+        "The fault changes a column, a field or an object that the recording does not have, moves to the left what a change before has turned to "
+        "`inf`, or none of its cycles lies in the fault's time. It would be evidence for nothing.",
     ),
     "D250": (
         "a signal or field that a declaration cannot give",

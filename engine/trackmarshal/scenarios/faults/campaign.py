@@ -110,7 +110,7 @@ class Bench:
                 try:
                     for each in fault.changes:
                         each(moment)
-                except (KeyError, IndexError, TypeError, ZeroDivisionError) as error:
+                except (KeyError, IndexError, TypeError, ValueError, ZeroDivisionError) as error:
                     message = f"the fault `{fault.id}` changes what is not there at {cycle.t:g} s ({error})"
                     raise TrackmarshalError(
                         "D153",

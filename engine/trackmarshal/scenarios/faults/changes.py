@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from trackmarshal.runtime.lines import Line
@@ -12,6 +13,8 @@ from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.recording import CANDIDATES
 
 Change = Callable[[Moment], None]
+#: The most samples of a trajectory that are spoken of.
+_MOST = 100_000
 #: Numbers that plain YAML numbers cannot say.
 _WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
@@ -86,7 +89,7 @@ def _edit(item: Item, fields: dict[str, Item]) -> Callable[[list[float]], list[f
             more = fields["add"].number()
             return lambda values: [value + more for value in values]
         case "keep":
-            count = fields["keep"].count(0, 100_000)
+            count = fields["keep"].count(0, _MOST)
             return lambda values: values[:count]
         case "reverse":
             _said(fields["reverse"])
@@ -127,13 +130,27 @@ def _trajectory(item: Item) -> Change:
             del moment.candidates[which]
 
         return removed
-    amount = fields[given[0]].number()
-    operation = {"left": _moved, "drift": _drifted, "keep": _cut, "refine": _refined}[given[0]]
+    operation = _operation(given[0], fields[given[0]])
 
     def apply(moment: Moment) -> None:
-        moment.candidates[which] = operation(moment.candidates[which], amount)
+        moment.candidates[which] = operation(moment.candidates[which])
 
     return apply
+
+
+def _operation(name: str, amount: Item) -> Callable[[dict[str, Any]], dict[str, Any]]:
+    """What is done to a trajectory, by so many m or to so many samples."""
+    match name:
+        case "left":
+            return partial(_moved, left=amount.number())
+        case "drift":
+            return partial(_drifted, left=amount.number())
+        case "keep":
+            return partial(_cut, count=amount.count(0, _MOST))
+        case "refine":
+            return partial(_refined, count=amount.count(2, _MOST))
+        case other:
+            raise AssertionError(other)
 
 
 def _moved(plan: dict[str, Any], left: float) -> dict[str, Any]:
@@ -153,13 +170,13 @@ def _drifted(plan: dict[str, Any], left: float) -> dict[str, Any]:
     }
 
 
-def _cut(plan: dict[str, Any], count: float) -> dict[str, Any]:
-    return {name: column[: int(count)] for name, column in plan.items()}
+def _cut(plan: dict[str, Any], count: int) -> dict[str, Any]:
+    return {name: column[:count] for name, column in plan.items()}
 
 
-def _refined(plan: dict[str, Any], count: float) -> dict[str, Any]:
+def _refined(plan: dict[str, Any], count: int) -> dict[str, Any]:
     """As many samples as said, straight between those that are there."""
-    steps, have = int(count) - 1, len(plan["t"]) - 1
+    steps, have = count - 1, len(plan["t"]) - 1
 
     def between(column: list[float], at: float) -> float:
         i = min(int(at), have - 1)
@@ -268,8 +285,8 @@ def _cycle(item: Item) -> Change:
     if what in ("lost", "silent"):
         item.fields(("cycle",))
         return lambda moment: setattr(moment, what, True)
-    more = item.fields(("cycle", "add"))["add"].number()
-    amount = int(more) if what == "number" else more
+    more = item.fields(("cycle", "add"))["add"]
+    amount = more.count(-1_000_000, 1_000_000) if what == "number" else more.number()
     return lambda moment: setattr(moment, what, getattr(moment, what) + amount)
 
 
