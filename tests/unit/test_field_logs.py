@@ -6,6 +6,7 @@ import gzip
 import hashlib
 import json
 import random
+import tracemalloc
 import warnings
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ import pytest
 
 from support import field_logs
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import build, log, mapping
 
 CLEAN = field_logs.straight(30.0, 10.0)
@@ -380,19 +382,25 @@ def test_units_that_logs_have_and_specs_do_not(tmp_path: Path) -> None:
     assert found.v == pytest.approx(CLEAN["v"], abs=1e-5)
 
 
-def test_mcap(tmp_path: Path) -> None:
-    """Two topics at other rates; what the slower one said last counts, as long as it is not older than `hold`."""
-    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+def of_topics(wheel: str = "/wheel") -> str:
+    """A mapping for MCAP, of which `wheel` is the topic of the speed."""
     declared = field_logs.MAP
     for name, way in (
         ("time", "/odom.log_time"),
         ("x", "/odom.pose.0"),
         ("y", "/odom.pose.1"),
         ("heading", "/odom.pose.2"),
-        ("v", "/wheel.v"),
+        ("v", f"{wheel}.v"),
         ("yaw", "/odom.yaw"),
     ):
         declared = declared.replace(f"column: {name},", f"column: {way},")
+    return declared
+
+
+def test_mcap(tmp_path: Path) -> None:
+    """Two topics at other rates; what the slower one said last counts, as long as it is not older than `hold`."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    declared = of_topics()
     where, _ = field_logs.write(tmp_path, CLEAN, declared)
 
     def written(silent: float, encoding: str = "json", until: float = 1.0, again: int = 0) -> Path:
@@ -456,6 +464,86 @@ def test_mcap(tmp_path: Path) -> None:
             log.read(mapping.read(where), tmp_path / "log.mcap")
         except TrackmarshalError as refusal:
             assert refusal.code in ("D126", "D170", "D171", "D172", "D173", "D174", "D176")
+
+
+def drive(writer: Any, rows: range, ballast: int = 0) -> None:
+    """Write rows of the clean drive, and as many bytes of no interest."""
+    odom, junk = (writer.register_channel(topic, "json", 0) for topic in ("/odom", "/junk"))
+    for i in rows:
+        t, x, y, h, v, yaw = (column[i] for column in CLEAN.values())
+        at = round(t * 1e9)
+        writer.add_message(odom, at, json.dumps({"pose": [x, y, h], "v": v, "yaw": yaw}).encode(), at)
+    if ballast:
+        writer.add_message(junk, 0, bytes(ballast), 0)
+
+
+@pytest.mark.parametrize("packed", ["LZ4", "ZSTD"])
+@pytest.mark.parametrize("lie", [False, True])
+def test_mcap_that_unpacks_without_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, packed: str, lie: bool
+) -> None:
+    """32 kB unpacked to 1 GB. Whether a chunk says how much it holds, or says less, is all the same."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    monkeypatch.setattr(content, "MAX_BYTES", 5_000_000)
+    where, path = field_logs.write(tmp_path, CLEAN, of_topics("/odom"))
+    for ballast in (4_000_000, 20_000_000):
+        with path.open("wb") as file:
+            writer = writing.Writer(
+                file, chunk_size=10**8, compression=writing.CompressionType[packed], enable_crcs=False
+            )
+            writer.start()
+            drive(writer, range(len(CLEAN["time"])), ballast)
+            writer.finish()
+        if not lie and ballast < content.MAX_BYTES:
+            assert len(log.read(mapping.read(where), path).t) == len(CLEAN["time"])
+    if lie:  # in the chunk's head: opcode, length, two times, how much it holds
+        data = bytearray(path.read_bytes())
+        at = data.index(packed.lower().encode()) - 4 - 4 - 8
+        assert 20_000_000 < int.from_bytes(data[at : at + 8], "little") < 20_200_000
+        data[at : at + 8] = (1_000).to_bytes(8, "little")
+        path.write_bytes(data)
+    tracemalloc.start()
+    with pytest.raises(TrackmarshalError) as error:
+        log.read(mapping.read(where), path)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert error.value.code == ("D174" if lie else "D124")
+    assert most < 10_000_000
+
+
+def test_mcap_is_read_whole_whatever_its_index_names(tmp_path: Path) -> None:
+    """Messages may stand outside of chunks; of these, and of a chunk that the index does not name, nothing was read, and no word said so."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    where, path = field_logs.write(tmp_path, CLEAN, of_topics("/odom"))
+    with path.open("wb") as file:
+        writer = writing.Writer(file, chunk_size=1 << 30)
+        writer.start()
+        drive(writer, range(250))
+        writer._Writer__finalize_chunk()
+        named = len(writer._Writer__chunk_indices)
+        drive(writer, range(250, len(CLEAN["time"])))
+        writer._Writer__finalize_chunk()
+        del writer._Writer__chunk_indices[named:]
+        writer.finish()
+    assert len(log.read(mapping.read(where), path).t) == len(CLEAN["time"])
+
+
+def test_mcap_without_an_index_is_held_against_its_checksums(tmp_path: Path) -> None:
+    """A digit that was changed on a disk is another number, and passed for what was driven."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    where, path = field_logs.write(tmp_path, CLEAN, of_topics("/odom"))
+    with path.open("wb") as file:
+        writer = writing.Writer(
+            file, compression=writing.CompressionType.NONE, index_types=writing.IndexType.NONE
+        )
+        writer.start()
+        drive(writer, range(len(CLEAN["time"])))
+        writer.finish()
+    whole = path.read_bytes()
+    assert len(log.read(mapping.read(where), path).t) == len(CLEAN["time"])
+    path.write_bytes(whole.replace(b'"v": 15.0', b'"v": 15.1', 1))
+    with pytest.raises(TrackmarshalError, match=r"D174.*crc"):
+        log.read(mapping.read(where), path)
 
 
 def test_seconds_that_are_called_milliseconds(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
+from collections.abc import Collection, Iterator
 from collections.abc import Mapping as AnyMapping
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field.mapping import Column
 from trackmarshal.scenarios.fields import suggestion
 
@@ -19,6 +21,8 @@ Floats = NDArray[np.float64]
 MAGIC = b"\x89MCAP0\r\n"
 #: Instead of a field: when the message was logged, in seconds.
 LOG_TIME = "log_time"
+#: What chunks may unpack to, as a multiple of the file, where that is more than `content.MAX_BYTES`.
+_MAX_RATIO = 10
 
 
 def read(
@@ -27,11 +31,11 @@ def read(
     """(rows,) of each column, which message of its topic each row is, from 1, and what of the beginning and the end is no row; empty: nothing.
 
     A column is `/topic.field.field`; a row is a message of the topic of `t`, and columns of other topics are what they said last, at most `hold`
-    seconds of the log's own time before. A topic that two sources write by turns is of neither. Raises E484 without the package `mcap`, D170, D171 and D174.
+    seconds of the log's own time before. A topic that two sources write by turns is of neither. Raises E484 without the package `mcap`, D124, D170, D171
+    and D174.
     """
     try:
         from mcap.exceptions import McapError
-        from mcap.reader import make_reader
     except ImportError as error:
         raise TrackmarshalError(
             "E484", "MCAP needs the package `mcap`", file=shown, help="pip install trackmarshal[mcap]"
@@ -51,12 +55,7 @@ def read(
     ended: tuple[str, int] = "", 0  #: that topic, and the first of these messages
     channels: dict[str, list[int]] = {}  #: by topic the channels that wrote it, the last one behind
     try:
-        reader = make_reader(io.BytesIO(data), validate_crcs=True)
-        summary = reader.get_summary()
-        if summary is not None:
-            topics = {channel.topic for channel in summary.channels.values()}
-        for _, channel, message in reader.iter_messages(topics=sorted(wanted)):
-            topics.add(channel.topic)
+        for channel, message in _messages(data, shown, wanted, topics):
             number += 1
             if channel.message_encoding != "json":
                 message_ = f"messages of `{channel.topic}` are encoded as `{channel.message_encoding}`"
@@ -149,6 +148,62 @@ def read(
         np.array(counts),
         "; ".join(left_out),
     )
+
+
+def _messages(data: bytes, shown: str, wanted: Collection[str], topics: set[str]) -> list[tuple[Any, Any]]:
+    """The messages of the wanted topics, each with its channel, by the times they were logged at; adds the topics of all channels to `topics`.
+
+    The file is read from its beginning to its end. Its index is not asked: messages that this does not name are as much a part of the log.
+    """
+    from mcap.records import Channel, Message
+
+    channels: dict[int, Any] = {}
+    found: list[tuple[Any, Any]] = []
+    for record in _records(data, shown):
+        if isinstance(record, Channel):
+            channels[record.id] = record
+            topics.add(record.topic)
+        elif isinstance(record, Message) and channels[record.channel_id].topic in wanted:
+            found.append((channels[record.channel_id], record))
+    return sorted(found, key=lambda each: each[1].log_time)
+
+
+def _records(data: bytes, shown: str) -> Iterator[Any]:
+    """The records of a file and of its chunks, held against their checksums; raises D124, and the package's errors."""
+    from mcap.records import Chunk
+    from mcap.stream_reader import StreamReader, breakup_chunk
+
+    left = limit = max(content.MAX_BYTES, _MAX_RATIO * len(data))
+    for record in StreamReader(io.BytesIO(data), emit_chunks=True, validate_crcs=True).records:
+        if not isinstance(record, Chunk):
+            yield record
+            continue
+        left -= record.uncompressed_size
+        if record.uncompressed_size > content.MAX_BYTES or left < 0:
+            raise content.too_large(shown, f"{len(data)} bytes unpack to more than {limit} bytes")
+        record.data, record.compression = _unpacked(record), ""
+        yield from breakup_chunk(record, validate_crc=True)
+
+
+def _unpacked(chunk: Any) -> bytes:
+    """What a chunk holds, if it is as much as it declares: the package would unpack whatever comes."""
+    import zstandard
+    from lz4.frame import LZ4FrameDecompressor
+
+    size, data = chunk.uncompressed_size, b""
+    match chunk.compression:
+        case "":
+            data = chunk.data
+        case "lz4":
+            data = LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)
+        case "zstd":
+            if zstandard.frame_content_size(chunk.data) in (-1, size):  # -1: the frame does not say
+                data = zstandard.decompress(chunk.data, size)
+        case other:
+            raise ValueError(f"a chunk is packed by `{other:.40}`")
+    if len(data) != size:
+        raise ValueError(f"a chunk that declares {size} bytes holds another number of them")
+    return data
 
 
 def _way(column: Column, name: str, shown: str) -> tuple[str, tuple[str, ...]]:
