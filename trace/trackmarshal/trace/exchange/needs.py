@@ -231,7 +231,10 @@ def _lines(text: str) -> dict[str, int]:
     """By key of an object in the file, the line where it stands first."""
     lines: dict[str, int] = {}
     line, before = 1, 0
-    for match in re.finditer(r'"((?:[^"\\\n]|\\.)*)"\s*:\s*\{', text):
+    # Every text is passed as a whole: whoever looks for one from each quotation mark in it reads the rest of it as often.
+    for match in re.finditer(r'"((?:[^"\\\n]|\\.)*)"(\s*:\s*\{)?', text):
+        if not match[2]:
+            continue
         line += text.count("\n", before, match.start())
         before = match.start()
         try:
