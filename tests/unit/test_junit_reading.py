@@ -332,3 +332,18 @@ def test_what_else_stands_among_properties_is_passed_over(tmp_path: Path) -> Non
     inside = '<properties><note>none</note><property name="a"><b/></property></properties>'
     (test,) = read(tmp_path, f'<testsuite name="s"><testcase name="t">{inside}</testcase></testsuite>')
     assert test.outcome == "passed"
+
+
+def test_suites_that_name_more_than_there_is_room_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A suite that names many requirements, of many tests: of 2 MB it came to 20 GB, of each test all of them."""
+    monkeypatch.setattr(reading, "MAX_NAMED", 500)
+    path = tmp_path / "report.xml"
+    for tests in (10, 20):
+        named, cases = " ".join(f"R-{n}" for n in range(50)), "<testcase name='t' classname='c'/>" * tests
+        path.write_text(f"<testsuite name='s' verifies='{named}'>{cases}</testsuite>", encoding="utf-8")
+        if tests == 10:
+            assert [len(test.requirements) for test in reading.read(path, "report.xml")] == [50] * 10
+    with pytest.raises(TrackmarshalError, match=r"T334.*more than 500 times"):
+        reading.read(path, "report.xml")

@@ -23,6 +23,8 @@ MAX_BYTES = 64_000_000
 MAX_DEPTH = 60
 #: The longest name of a test or a suite.
 MAX_NAME = 4_000
+#: How often a report may name requirements by what suites say of all of their tests.
+MAX_NAMED = 5_000_000
 #: The property, or attribute, by which a test or a suite names requirements.
 VERIFIES = "verifies"
 #: The property by which a test says what it came to where a report has no element for that: pytest writes of one that was expected to fail, and passed,
@@ -78,6 +80,7 @@ class _Reader:
         self._property: tuple[str, str] | None = None
         self._text = ""
         self._tests: list[ExternalTest] = []
+        self._left = MAX_NAMED
         self._parser = expat.ParserCreate()
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._document_type
@@ -203,6 +206,10 @@ class _Reader:
                 raise self._fail("T335", lacking, help_)
             for place in suite.at_once if suite.to_do() else ():
                 self._tests[place] = replace(self._tests[place], outcome="skipped", message=_TO_DO)
+            self._left -= len(suite.requirements) * (len(self._tests) - suite.first)
+            if self._left < 0:
+                message = f"its suites name requirements of their tests more than {MAX_NAMED} times"
+                raise self._fail("T334", message, "name at each test what it verifies")
             # Properties of a suite may stand behind its tests.
             self._tests[suite.first :] = self._tests[suite.first :] if not suite.requirements else [
                 replace(t, requirements=tuple(dict.fromkeys((*t.requirements, *suite.requirements))))
