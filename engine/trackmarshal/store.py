@@ -13,7 +13,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import UNMERGED, read_regular, unmerged
@@ -112,16 +112,25 @@ class Store:
         return next((entry for entry in reversed(entries) if entry.inputs == inputs), None)
 
     def add(self, entries: Iterable[Entry]) -> None:
-        """Write entries at the end, all in one go."""
+        """Write entries at the end, all in one go, or none of them; raises OSError."""
         new = list(entries)
         if not new:
             return
         self.path.parent.mkdir(parents=True, exist_ok=True)
         data = b"".join(entry.text() + b"\n" for entry in new)
-        with self.path.open("a+b") as stream:
-            if stream.seek(0, os.SEEK_END) and not _ends_a_line(stream):
+        with self.path.open("a+b", buffering=0) as stream:
+            begin = stream.seek(0, os.SEEK_END)
+            if begin and not _ends_a_line(stream):
                 data = b"\n" + data  # what was cut there stays a line of its own
-            stream.write(data)
+            written = 0
+            try:
+                while written < len(data):
+                    written += stream.write(data[written:])
+            except OSError:
+                # On a full disk: part of a line would pass for one that somebody changed. Unless another process has written behind it.
+                if stream.seek(0, os.SEEK_END) == begin + written:
+                    stream.truncate(begin)
+                raise
         for entry in new:
             self._take(entry)
 
@@ -152,7 +161,7 @@ class Store:
                     self.broken.append(entry)
 
 
-def _ends_a_line(stream: BinaryIO) -> bool:
+def _ends_a_line(stream: IO[bytes]) -> bool:
     stream.seek(-1, os.SEEK_END)
     return stream.read(1) == b"\n"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from hashlib import sha256
 from pathlib import Path
 
@@ -117,3 +118,24 @@ def test_a_store_that_is_no_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(TrackmarshalError) as caught:
         Store(tmp_path)
     assert caught.value.code == "T295"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="limits of a process are POSIX's")
+def test_a_full_disk_leaves_no_part_of_an_entry(tmp_path: Path) -> None:
+    """It passed for a line that somebody had changed, and the gate was red until that was taken out by hand."""
+    import resource
+
+    store = Store(tmp_path)
+    store.add([entry("first")])
+    before = store.path.read_bytes()
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) + 100, hard))
+    try:
+        with pytest.raises(OSError, match="too large"):
+            store.add([entry("second"), entry("third")])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert store.path.read_bytes() == before
+    assert store.latest("test", "second") is None
+    store.add([entry("third")])
+    assert Store(tmp_path).broken == []
