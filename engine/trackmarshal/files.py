@@ -67,7 +67,8 @@ def write_whole(path: Path, data: bytes) -> None:
         path.write_bytes(data)
         return
     target = Path(os.path.realpath(path))
-    draft = target.with_name(f".{target.name[:50]}.{os.getpid()}")  # names have an end
+    # Names have an end, and processes that share a folder may have one number, each in a container of its own.
+    draft = target.with_name(f".{target.name[:50]}.{os.urandom(8).hex()}")
     try:
         if target.is_symlink():
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))

@@ -44,6 +44,21 @@ def test_nothing_is_left_of_what_was_not_written(
         assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
 
 
+def test_two_with_the_same_number_write_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in two containers that share a folder, in each of which this is process 1: what one wrote was taken for the other's draft, which was gone then."""
+    path, replaced = tmp_path / "said.json", Path.replace
+
+    def meanwhile(self: Path, target: Path) -> Path:
+        with monkeypatch.context() as patched:
+            patched.setattr(Path, "replace", replaced)
+            write_whole(path, b"the other's")
+        return replaced(self, target)
+
+    monkeypatch.setattr(Path, "replace", meanwhile)
+    write_whole(path, b"its own")
+    assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("said.json", b"its own")]
+
+
 def test_it_is_written(tmp_path: Path) -> None:
     write_whole(tmp_path / "said.json", b"after")
     assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("said.json", b"after")]
