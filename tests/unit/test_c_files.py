@@ -407,6 +407,22 @@ def test_nothing_is_fused(flags: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="looks for instructions of an x86")
+@pytest.mark.parametrize(
+    ("rule", "flags"), [("static_collision", "-mfma4"), at_length("obstacle_collision", "-mavx512f")]
+)
+def test_nothing_is_fused_where_no_macro_says_fma(rule: str, flags: str, tmp_path: Path) -> None:
+    """Processors that fuse by other instructions than FMA3's: gcc 12.2 took pairs of sums of products for one each, as above."""
+    made = one_rule(rule).source
+    (tmp_path / f"{made.name}.h").write_text(made.header)
+    (tmp_path / f"{made.name}.c").write_text(made.source)
+    command = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", flags, "-S", "-o", "-", f"{made.name}.c"]
+    said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert re.search(r"\bv?mul[sp]d\b", said)
+    assert not re.findall(r"\bvfn?m(?:add|sub)\w*", said)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize(
     "flags",
     [
