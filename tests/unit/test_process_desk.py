@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 import os
+import subprocess
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
@@ -168,6 +169,25 @@ class C:
 @pytest.fixture(scope="module")
 def c() -> C:
     return C()
+
+
+@pytest.mark.parametrize("flag", ["-ffast-math", "-ffinite-math-only", "-fno-math-errno"])
+def test_a_time_that_is_none_is_not_compiled_away(flag: str, tmp_path: Path) -> None:
+    """A client that took no number for NaN sent no stamp, so that every cycle was refused, and the executing layer drove on whatever ended
+    at no time. The Supervisor's own source refuses such flags, which are for each file to have."""
+    spec = tm.loads(SPEC)
+    source = generate(spec, list(spec.rules), doored=True)
+    made = Emitted(source, asdict(LIMITS))
+    for name, text in {"supervisor.h": source.header, **made.files}.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for unit in ("messages.c", "client.c", "desk.c", "executing.c"):
+        sizes = [f"-D{name}={size}u" for name, size in made.sizes.items()]
+        command = [*(compiler() or []), "-std=c99", *sizes, "-E", flag, unit]
+        said = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        refused = flag != "-fno-math-errno"
+        assert ((said.returncode != 0), ("compile this file without" in said.stderr)) == (refused, refused), (
+            unit
+        )
 
 
 class Sent:
