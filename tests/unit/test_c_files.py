@@ -567,6 +567,26 @@ def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Pa
     assert found == [0, 4]
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("rule", ["no_reversing", at_length("friction")])
+@pytest.mark.parametrize("doored", [False, True])
+def test_a_host_with_other_structs_has_no_context(doored: bool, rule: str, tmp_path: Path) -> None:
+    """Results stood elsewhere, and a violated rule was read as satisfied, where nothing in the context gave that away."""
+    made = generate(shipped(), [found for found in shipped().rules if found.name == rule], doored=doored)
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    (tmp_path / "main.c").write_text(BEGINS)
+    begun = {}
+    for flag in ("", "-fpack-struct", "-fpack-struct=4", "-fshort-enums"):
+        for unit, given in (("supervisor", []), ("main", flag.split())):
+            if unit == "main" or not flag:
+                command = ["gcc", "-std=c99", *given, "-c", f"{unit}.c"]
+                subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        subprocess.run(["gcc", "supervisor.o", "main.o", "-o", "begins", "-lm"], cwd=tmp_path, check=True)
+        begun[flag] = subprocess.run([tmp_path / "begins"], check=False).returncode
+    assert begun == {"": 0, "-fpack-struct": 4, "-fpack-struct=4": 4, "-fshort-enums": 4}
+
+
 SETS = """
 #include "supervisor.h"
 static tm_context context;
