@@ -165,6 +165,25 @@ def test_members_by_formulas_are_the_first_that_holds() -> None:
     assert len({cycle.objects[0]["body"] for cycle in made.cycles}) == 2
 
 
+def test_fields_of_cars_see_the_signals_that_are_given() -> None:
+    """As an indicator that goes on where the sign says so; `signals` stands below the cars."""
+    made = scene(
+        ("{load: 120}", "{load: {is: 'if rain then 50 kg else race.lap * 7 kg'}}"),
+        ("      closing: {is: ego.v - o.v}", "      closing: {is: 'if rain then 1 m/s else 2 m/s'}"),
+        ("      rest: {is: 'distance_to(ego, gate)'}", "      rest: 4"),
+    )
+    assert [cycle.ego["load"] for cycle in made.cycles] == [21.0] * 3 + [50.0] * 4
+    assert [cycle.objects[0]["closing"] for cycle in made.cycles] == [7.2] * 3 + [3.6] * 4
+
+
+def test_what_is_not_worked_out_yet_is_said_to_be_that() -> None:
+    """It was told that rules never read what is undefined, of a signal that stands there."""
+    with pytest.raises(TrackmarshalError, match="fast: it is not there") as raised:
+        scene(("{load: 120}", "{load: {is: 'if fast then 50 kg else 0 kg'}}"))
+    assert raised.value.code == "D253"
+    assert "no field of a car sees a signal of an expression" in (raised.value.help or "")
+
+
 def test_what_is_given_is_written_and_read_again() -> None:
     made = scene()
     again = recording_io.decode("\n".join(recording_io.encode(made)).encode(), "again")

@@ -42,6 +42,10 @@ def with_further(
     recording: Recording, further: Further, specs: Specs, columns: Table = MappingProxyType({})
 ) -> Recording:
     """The recording with all that is given; columns are those of the archive that it is from. Raises D151, and D250 to D254."""
+    # What is given as it is needs nothing else, and so may be asked for by the fields of cars, too.
+    known, asking = ([s for s in further.signals if s.asks is asks] for asks in (False, True))
+    for signal in known:
+        recording = _signal(recording, specs, signal, columns)
     for given in further.ego:
         field = _field(specs, "ego", given)
         found = _all(specs, recording, given, field, columns=columns)
@@ -53,7 +57,7 @@ def with_further(
     for name, fields in further.obstacles:
         for given in fields:
             recording = _of_obstacle(recording, specs, name, given)
-    for signal in further.signals:
+    for signal in asking:
         recording = _signal(recording, specs, signal, columns)
     _check(recording, further, specs)
     return recording

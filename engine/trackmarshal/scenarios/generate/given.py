@@ -58,6 +58,11 @@ class GivenSignal:
     whole: Given | None
     fields: tuple[Given, ...]
 
+    @property
+    def asks(self) -> bool:
+        """Whether an expression gives it, or one of its fields."""
+        return any(each.expression or each.members for each in (self.whole, *self.fields) if each)
+
 
 def specs(items: list[Item], folder: Path) -> list[tuple[Path, Item]]:
     """The files of the specs that declare what is given; raises D151 for what is no path of a spec."""

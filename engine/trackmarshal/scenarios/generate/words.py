@@ -21,6 +21,8 @@ from trackmarshal.semantics.modules import root_of
 from trackmarshal.units import from_si
 
 _MODULE = "words_of_the_scenario"
+_DEFINED = "what rules read is never undefined in a scenario"
+_NOT_YET = "give it, by a value or `at`; what expressions give, only those see that stand below it, and no field of a car sees a signal of an expression"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +111,8 @@ def values(
             if outcome.verdict not in ("satisfied", "violated"):
                 why = "it looks ahead" if outcome.verdict == "open" else outcome.reason or outcome.verdict
                 message = f"the expression has no value at t = {cycle.t:g} s: {why}"
-                raise each.item.wrong(message, "what rules read is never undefined in a scenario", "D253")
+                help_ = _NOT_YET if why.startswith("D211 ") else _DEFINED
+                raise each.item.wrong(message, help_, "D253")
             if each.unit is None:
                 found.append(outcome.verdict == "satisfied")
             elif math.isfinite(outcome.margin):
