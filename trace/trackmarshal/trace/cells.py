@@ -310,7 +310,7 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                     rule.name,
                     rule.title,
                     "missing",
-                    "evaluated in none of these runs",
+                    "satisfied or violated in none of these runs",
                     item_place(rule),
                 )
             )

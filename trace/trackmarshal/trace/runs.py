@@ -38,12 +38,12 @@ def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: H
     match scenario.expect:
         case "ground_truth":
             due = tuple(entry.rule for entry in facts if entry.due)
-            return _against_truth(run, names, evaluated, fired, due)
+            return _against_truth(run, names, evaluated, fired, due, bool(facts))
         case "no_fire":
             if run.fired:
                 return Showing("failed", _fired(run), evaluated, fired)
             if not evaluated:
-                return Showing("missing", "none of its rules was evaluated")
+                return _undecided(bool(facts))
             if scenario.origin != "field":
                 return Showing(
                     "partial",
@@ -156,15 +156,15 @@ def _kept(scenario: Scenario, run: RunSummary, hashes: Hashes) -> str:
 
 
 def _against_truth(
-    run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...], due: tuple[str, ...]
-) -> Showing:
+    run: RunSummary, names: set[str], evaluated: tuple[str, ...], fired: tuple[str, ...], due: tuple[str, ...], asked: bool
+) -> Showing:  # fmt: skip
     truths = _judging(run, names)
     if run.unexpected:
         return Showing("failed", _unexpected(run), evaluated, fired)
     if not run.ground_truth:
         return Showing("missing", "the recording carries no ground truth")
     if not evaluated:
-        return Showing("missing", "none of its rules was evaluated")
+        return _undecided(asked)
     judged = {name for truth in truths.values() for name in truth.rules}
     unjudged = [name for name in evaluated if name in run.uncovered and name not in judged]
     if unjudged:
@@ -188,6 +188,13 @@ def _against_truth(
             "partial", f"{within}, which leaves free whether {', '.join(fired)} had to fire", evaluated, fired
         )
     return Showing("covered", f"{within}, {', '.join(due)} fired where it had to", evaluated, fired)
+
+
+def _undecided(asked: bool) -> Showing:
+    """Of a run that did not ask these rules, or in which each was inactive, undefined or open all the time."""
+    if asked:
+        return Showing("missing", "none of its rules was satisfied or violated in any cycle")
+    return Showing("missing", "none of its rules was evaluated")
 
 
 def _count(rules: Sequence[str]) -> str:
