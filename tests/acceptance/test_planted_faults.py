@@ -149,6 +149,46 @@ def test_where_a_file_is_not_there_nothing_else_was_changed_since(
     assert sorted(causes(judged(project)[1])) == [(also, what), (code, subject)]
 
 
+UNTESTED = """
+rule gentle "No harder than is comfortable"
+  satisfies S-2
+  for all   p in plan
+  require   p.a >= -3 m/s^2
+"""
+
+
+@pytest.mark.parametrize(
+    ("edit", "also"),
+    [
+        (swap("specs/signals.spec", "a: m/s^2 in [-20, 10]", "a: m/s^2 in [-90, 90]"), ("T372", "plan")),
+        (cut("requirements/hazards.yaml", "    tolerance:", "\n"), ("T120", "")),
+    ],
+    ids=["a contract", "a goal without a tolerance"],
+)
+def test_that_a_rule_has_no_test_hides_behind_no_document(
+    edit: Edit, also: tuple[str, str], project: Path
+) -> None:
+    """No goal, contract or statement is a reason for it: it was told as a consequence, and met only when these were mended."""
+    all_of(edit, add("specs/rules.spec", UNTESTED))(project)
+    found = causes(judged(project)[1])
+    assert ("T211", "gentle") in found
+    assert also in found
+
+
+def test_a_test_of_another_rule_does_not_fail_since_a_rule_is_gone(project: Path) -> None:
+    """From the rule to a contract that it read, and from there to whatever reads the same, a failed test of a new rule was told to follow."""
+    failing = UNTESTED + '\ntest gentle "coasting"\n  given  plan = line(v: 5 m/s)\n  expect violated\n'
+    all_of(
+        cut("specs/rules.spec", "rule speed_limit", "rule braking"),
+        cut("specs/rules.spec", 'test speed_limit "at the limit"', 'test braking "as hard'),
+        swap("specs/signals.spec", "v: m/s in [-5, 30], a: m/s^2", "v: m/s in [-5, 40], a: m/s^2"),
+        add("specs/rules.spec", failing),
+    )(project)
+    found = causes(judged(project)[1])
+    assert ("T222", "speed_limit") in found
+    assert ("T215", "gentle") in found
+
+
 def test_a_gate_that_is_written_down_hides_nothing_that_is_gone(project: Path) -> None:
     """It is no setting of the project of which it comes that less is read."""
     next(f for f in evidence.FAULTS if f.name == "a gate where there was none").edit(project)

@@ -104,6 +104,8 @@ _FALLEN = frozenset({"T167", "T168"})
 #: What is lacking of tests and readers is not lacking since a scenario is to show something else.
 _OF_TESTS = frozenset({"T211", "T212"})
 _OF_TESTS_AND_READERS = _OF_TESTS | {"T382"}
+#: Beside errors of specs, what may be why a rule has no test: tests stand in specs, and no document, contract or scenario takes one away.
+_TAKES_TESTS = frozenset({"T202", "T213", "T221", "T222", "T374"})
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
 _FAR = 2
 #: Steps of which two findings about one thing are told as one.
@@ -207,6 +209,9 @@ class _Folding:
                         or root in seen
                         # Nothing was changed, and no test is lacking, since a cell is open.
                         or (self._key[other][0] == OPEN and (step <= UNREAD or finding.code in _OF_TESTS))
+                        or not _explains(other, finding)
+                        # A contract of which a rule that is gone reads nothing any more is to all others what it was.
+                        or (other.code == "T372" and root.code == "T222")
                         # A run comes out as it does whether rules have tests or not: only cells that hold such a rule are open for want of one.
                         or (step == OPEN and other.code in _OF_TESTS and name not in finding.rests_on)
                         or (step == OPEN == self._key[other][0] and name not in finding.rests_on)
@@ -226,14 +231,8 @@ class _Folding:
         before, own = self._key[other], self._key[finding]
         if LEVELS.index(other.level) > LEVELS.index(finding.level):
             return False  # no error hides behind a warning
-        if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
+        if not _explains(other, finding):
             return False
-        if other.code == "T255" and finding.code in _OF_TESTS | _FALLEN:
-            return False  # a side of a boundary is not tested, and a review fell, whatever method nothing answers
-        if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
-            return False
-        if other.code == "T382" and finding.code not in _OF_REVIEWS:
-            return False  # no cell is open for want of a reader
         if before[0] != own[0]:
             return before < own
         if not same_thing:
@@ -277,7 +276,7 @@ class _Folding:
             read = (self._key[first][0] <= UNUSABLE and first.code not in _OF_FILES) or (
                 finding.gone and first.code == "T371" and not first.subject
             )
-            if read and self._key[first][0] < self._key[finding][0]:
+            if read and _explains(first, finding) and self._key[first][0] < self._key[finding][0]:
                 return first
         return None
 
@@ -302,6 +301,20 @@ class _Folding:
             seen.update(following)
             now = list(dict.fromkeys(following))
             yield now
+
+
+def _explains(other: Finding, finding: Finding) -> bool:
+    """Whether what one finding says can make what another one says so. It is asked of each step from a cause to what follows from it."""
+    if other.code == "T375" and finding.code in _OF_TESTS_AND_READERS:
+        return False
+    if other.code == "T255" and finding.code in _OF_TESTS | _FALLEN:
+        return False  # a side of a boundary is not tested, and a review fell, whatever method nothing answers
+    if finding.code in _CAME_OUT and other.code.startswith("T") and other.code not in _BEFORE:
+        return False
+    if finding.code == "T211" and other.code.startswith("T") and other.code not in _TAKES_TESTS:
+        return False
+    # No cell is open for want of a reader.
+    return other.code != "T382" or finding.code in _OF_REVIEWS
 
 
 def _step(finding: Finding, gone: set[str]) -> int:
