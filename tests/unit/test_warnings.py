@@ -92,7 +92,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    numbers = range(301, 314)
+    numbers = range(301, 315)
     assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
@@ -253,6 +253,52 @@ def test_an_implies_that_others_meet_is_asked_about(
     allow = '  allow     W313 because "why"\n'
     allowed = compiled(tmp_path, OBJECTS + rule("a", formula, allow + clauses))
     assert [found.code for found in allowed.found] == ([] if word else ["W303"])
+
+
+ALONG = (
+    'signal plan : trajectory { t: s increasing, v: m/s }\nevent fast "f"\n'
+    "predicate recent = once[0 s, 10 s] fast\npredicate quick(v: m/s) = v > 3 m/s\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("formula", "word"),
+    [
+        ("once[0 s, 10 s] fast implies always p.v <= 3 m/s", "once"),
+        ("recent implies always p.v <= 3 m/s", "once"),
+        ("always p.v <= 3 m/s or rising(fast)", "rising"),
+        ("always (p.v <= 3 m/s or previous fast)", "previous"),
+        ("eventually ego.v <= 3 m/s", "eventually"),
+        ("eventually quick(plan.last.v)", "eventually"),
+        ("p.v <= 3 m/s until fast", "until"),
+        ("fast since[0 s, 3 s] p.v <= 3 m/s", "since"),
+        ("count(fast, last: 3 s) <= 2", "count"),
+        ("count(p.v > 3 m/s, reset: fast) <= 2", "count"),
+        ("always (fast implies p.v <= 3 m/s)", ""),
+        ("always (not quick(p.v))", ""),
+        ("fast implies eventually[0 s, 2 s] p.v <= ego.v", ""),
+        ("always eventually p.v <= 3 m/s", ""),
+        ("true until p.v <= 3 m/s", ""),
+        ("always (count(p.v > 3 m/s) <= 2)", ""),
+    ],
+)
+def test_what_does_not_change_along_a_timeline_is_asked_about(
+    formula: str, word: str, tmp_path: Path
+) -> None:
+    """`once[0 s, 10 s] fast` along a plan is `fast`: what was ten seconds ago, no sample of the plan knows."""
+    clause = "  along     plan as p\n"
+    made = compiled(tmp_path, ALONG + rule("a", formula, clause))
+    assert made.errors == []
+    assert [(found.code, found.message.split("`")[1]) for found in made.found] == (
+        [("W314", word)] if word else []
+    )
+    allowed = compiled(tmp_path, ALONG + rule("a", formula, '  allow     W314 because "why"\n' + clause))
+    assert [found.code for found in allowed.found] == ([] if word else ["W303"])
+
+
+@pytest.mark.parametrize("formula", ["recent", "rising(fast)", "count(fast, last: 3 s) <= 2"])
+def test_over_the_run_it_changes(formula: str, tmp_path: Path) -> None:
+    assert compiled(tmp_path, ALONG + rule("a", formula)).found == ()
 
 
 @pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])

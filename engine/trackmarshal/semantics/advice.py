@@ -21,6 +21,7 @@ from trackmarshal.semantics.errors import (
     GoesOn,
     JoinsConditions,
     MetByOthers,
+    SameEverywhere,
     TurnsOver,
     WrongDimension,
 )
@@ -102,6 +103,29 @@ def met_by_others(
     if sought is not None and ast.names_in(condition.left).isdisjoint(sought):
         return None
     return MetByOthers(condition.__dict__["span"], word, _MET[word])
+
+
+#: What ranges over a timeline.
+_OVER_TIME = (typed.Temporal, typed.Until, typed.Step, typed.Edge, typed.CountComparison)
+
+
+def same_everywhere(
+    word: str, axis: typed.TimeAxis, *operands: typed.Formula | None
+) -> SameEverywhere | None:
+    """What is to be said of a temporal operator along a timeline that is about something else, such as an event: that is of the cycle, and does not change."""
+    if not isinstance(axis, typed.Range) or not axis.signal.name:  # the run, or a definition by itself
+        return None
+    for operand in operands:
+        if operand is None or isinstance(operand, typed.Boolean):
+            continue
+        parts = typed.below(operand)
+        if not any(_is_sample(part, axis) or isinstance(part, _OVER_TIME) for part in parts):
+            return SameEverywhere(operand.span, word, axis.signal.name)
+    return None
+
+
+def _is_sample(part: typed.Typed, axis: typed.Range) -> bool:
+    return isinstance(part, typed.Variable) and part.range is axis
 
 
 def _leads_on(expr: ast.Expr) -> TypeGuard[ast.Binary]:

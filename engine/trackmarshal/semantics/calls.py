@@ -13,7 +13,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
 from trackmarshal.ir.spec import Enumeration
-from trackmarshal.semantics.advice import met_by_others
+from trackmarshal.semantics.advice import met_by_others, same_everywhere
 from trackmarshal.semantics.arguments import counted, given, in_order
 from trackmarshal.semantics.errors import (
     Recursive,
@@ -141,6 +141,7 @@ def _count_of_cycles(
         lambda: self.last(given["last"], ctx) if "last" in given else None,
         lambda: self.formula(given["reset"], ctx) if "reset" in given else None,
     )
+    self.advise(same_everywhere("count", ctx.timeline, counted, reset))
     return typed.Count(ctx.timeline, counted, window, reset, span)
 
 
@@ -397,6 +398,7 @@ def _special(
         operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
         if not fits:
             raise Poison
+        self.advise(same_everywhere(function, ctx.timeline, operands[0]))
         return typed.Edge(known(function, typed.EDGES), ctx.timeline, operands[0], span)
     values: list[typed.Value] = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
     if not fits:

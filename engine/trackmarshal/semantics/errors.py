@@ -884,6 +884,27 @@ class MetByOthers(Diagnostic):
     consequence: str
 
 
+class SameEverywhere(Diagnostic):
+    code = "W314"
+    title = "what does not change along a timeline"
+    level = "warning"
+    text = "`{word}` looks along `{timeline}`, and this is the same at each of its samples"
+    label = "of the present cycle, whichever sample it is asked at"
+    remedy = (
+        "for what earlier or later cycles bring, write a rule without `along`; for the present one, leave the operator out, or say in the rule why: "
+        '`allow W314 because "..."`'
+    )
+    explanation = (
+        "In a rule with `along`, temporal operators look from sample to sample of that timeline. Events, `ego`, and whatever else does not speak of the sample are "
+        "those of the present cycle at each of them: `once[0 s, 10 s] demand` is `demand`, whatever was ten seconds ago. Over the run, cycle by cycle, a rule without "
+        "`along` looks."
+    )
+
+    span: Span
+    word: str
+    timeline: str
+
+
 class NeverStarts(Diagnostic):
     code = "W312"
     title = "a rule with which a Supervisor never starts"

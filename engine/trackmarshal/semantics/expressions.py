@@ -12,7 +12,14 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import Advice, ends_early, goes_on, joins_conditions, met_by_others
+from trackmarshal.semantics.advice import (
+    Advice,
+    ends_early,
+    goes_on,
+    joins_conditions,
+    met_by_others,
+    same_everywhere,
+)
 from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.constants import literal
 from trackmarshal.semantics.errors import (
@@ -644,6 +651,7 @@ class Expressions:
         self.advise(met_by_others(expr.op, expr.operand))
         (operand,), window = self._over_time((expr.operand,), expr.window, ctx)
         axis = ctx.timeline
+        self.advise(same_everywhere(expr.op, axis, operand))
         if expr.op in typed.STEPS:
             return typed.Step(known(expr.op, typed.STEPS), expr.weak, axis, operand, expr.span)
         return typed.Temporal(known(expr.op, TEMPORAL), axis, window, operand, expr.span)
@@ -661,6 +669,7 @@ class Expressions:
     def _until(self, expr: ast.Until, ctx: Context) -> typed.Formula:
         self.advise(met_by_others(expr.op, expr.right))
         (left, right), window = self._over_time((expr.left, expr.right), expr.window, ctx)
+        self.advise(same_everywhere(expr.op, ctx.timeline, left, right))
         return typed.Until(known(expr.op, UNTIL), ctx.timeline, window, left, right, expr.span)
 
     def last(self, bound: ast.Expr, ctx: Context) -> typed.Window:
