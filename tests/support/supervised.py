@@ -91,7 +91,7 @@ class Oracle:
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return memory
 
-    def missed(self, memory: Memory) -> Memory:
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
         return memory
 
     def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:

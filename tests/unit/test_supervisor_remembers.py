@@ -13,6 +13,7 @@ from trackmarshal.evaluation import loads
 from trackmarshal.runtime import supervisor as parts
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.saving import whole
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 
@@ -29,8 +30,15 @@ BACKENDS = (*PYTHON, "c")
 class Rig:
     """One Supervisor, its clock, and cycles every tenth of a second in which the car drives on straight."""
 
-    def __init__(self, rules: str, backend: str, spec: str = SIGNALS, **limits: Any) -> None:
-        self.now, self.number = 0.0, -1
+    def __init__(
+        self,
+        rules: str,
+        backend: str,
+        spec: str = SIGNALS,
+        at: tuple[float, int] = (0.0, -1),
+        **limits: Any,
+    ) -> None:
+        self.now, self.number = at
         self.supervisor: Any = supervisor(
             loads(spec + rules), None, backend, Limits(**limits), lambda: self.now
         )
@@ -74,6 +82,45 @@ def test_it_remembers_what_was_seen(backend: str) -> None:
     ]
     assert not rig.step().safe
     assert rig.step().safe
+
+
+@pytest.mark.parametrize("saved", [False, True])
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_cycles_that_were_lost_count_by_their_numbers(backend: str, saved: bool) -> None:
+    """Of cycles that nobody saw to be missing, a count took one for all: three of them, and the one that was refused, may each have counted."""
+    few = "".join(
+        f'rule few_{most} ""\n  severity advisory\n  require count(flag) <= {most}\n' for most in range(6)
+    )
+    rig = Rig(few + 'rule steady "" require ego.v > 0 m/s\n', backend)
+    for lost, missing in ((3, 4), (0, 4), (1, 6)):
+        rig.step()
+        rig.number += lost
+        if lost:
+            assert [name_of(fault) for fault in rig.step().faults] == ["skipped"]
+        if saved and backend != "reference":
+            lines = whole(rig.supervisor.saving())
+            rig = Rig(few + 'rule steady "" require ego.v > 0 m/s\n', backend, at=(rig.now, rig.number))
+            rig.supervisor.restore(lines)
+        said = {one.rule for one in rig.step().advisories if one.verdict == "undefined"}
+        assert said == {f"few_{most}" for most in range(missing)}
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_cycles_that_were_seen_to_be_missing_are_counted_once(backend: str) -> None:
+    """By a step without a cycle, and again by the number of the next one, which is refused; and one wrong number is no million of cycles."""
+    rig = Rig('rule few "" require count(flag) <= 3\nrule fewer "" require count(flag) <= 2\n', backend)
+    assert rig.step().safe
+    rig.missed()
+    rig.missed()
+    assert not rig.step().safe
+    assert {one.rule for one in rig.step().violations} == {"fewer"}
+    rig = Rig('rule few "" require count(flag) <= 2\nrule fewer "" require count(flag) <= 1\n', backend)
+    assert rig.step().safe
+    rig.number += 10**6
+    assert not rig.step().safe
+    rig.number -= 10**6
+    assert not rig.step().safe
+    assert {one.rule for one in rig.step().violations} == {"fewer"}
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -74,7 +74,7 @@ class Stateless(ABC):
     def start(self) -> Memory:
         return NOTHING
 
-    def missed(self, memory: Memory) -> Memory:
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
         return memory
 
     def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:

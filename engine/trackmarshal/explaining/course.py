@@ -20,12 +20,10 @@ def along_course(rule: RuleInfo, cycles: Sequence[Past]) -> Reference:
     courses = Courses([rule])
     state = courses.start()
     for past in cycles[:-1]:
-        if past.missed:
-            state = courses.missed(state)
+        state = courses.missed(state, past.missed)
         assert past.now is not None, "cycles are kept whole where they are explained"
         state = courses.commit(state, past.now.frame)
     last = cycles[-1]
     assert last.now is not None
-    if last.missed:
-        state = courses.missed(state)
+    state = courses.missed(state, last.missed)
     return Reference(last.now.values.spec, courses.joined(state, last.now.frame))

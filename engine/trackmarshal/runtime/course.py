@@ -73,9 +73,11 @@ class Courses:
             _with(info, names, lived, frame) for info, names, lived in zip(self.infos, self._names, state)
         )
 
-    def missed(self, state: Sequence[Lived]) -> tuple[Lived, ...]:
-        """After a cycle that was refused, or did not come; what comes before the first cycle is no gap."""
-        return tuple(lived._replace(missed=0 if lived.last is None else lived.missed + 1) for lived in state)
+    def missed(self, state: Sequence[Lived], cycles: int = 1) -> tuple[Lived, ...]:
+        """After so many cycles that were refused, or did not come; what comes before the first cycle is no gap."""
+        return tuple(
+            lived._replace(missed=0 if lived.last is None else lived.missed + cycles) for lived in state
+        )
 
     @property
     def described(self) -> str:

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: Faults after the door for which it is not known what a cycle came to.
 _IN_DOUBT = {"judge_failed", "incomplete", "internal"}
+#: More cycles than this are not missed for their numbers alone: sums of them fit whole numbers of C, and no count is compared with as many.
+MOST_LOST = 2**40
 
 
 def in_doubt(frame: Frame, decision: Decision | None) -> bool:

@@ -101,8 +101,8 @@ class Program(Protocol):
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         """What is remembered of a cycle, once it is decided what is driven; None: a case, in which nothing is decided."""
 
-    def missed(self, memory: Memory) -> Memory:
-        """What is remembered of a cycle that was refused before it became a frame, or did not come: that there is a gap."""
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
+        """What is remembered of cycles that were refused before they became a frame, or did not come: that there is a gap."""
 
     def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
         """By rule, what is said of the cycles that were open after the last cycle of a run: nothing is to come."""

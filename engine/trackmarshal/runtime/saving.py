@@ -20,7 +20,7 @@ from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.program import Memory
 
 FORMAT = "trackmarshal-snapshot"
-VERSION = 2
+VERSION = 3
 #: A part of what is saved, as JSON: small, so that it takes a few microseconds.
 Piece = list[Any]
 #: Who can restore what rules remember that remember nothing: every Supervisor in Python.

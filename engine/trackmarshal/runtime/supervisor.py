@@ -22,6 +22,7 @@ from trackmarshal.runtime.contract import Contract, of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
 from trackmarshal.runtime.decision import MOST_REASONS, Decision, Violation
 from trackmarshal.runtime.door.door import Admission, Door, stamp_of
+from trackmarshal.runtime.driven import MOST_LOST, in_doubt
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY, Held, advance
@@ -156,6 +157,9 @@ class Supervisor(OfOneRun):
         self._taken = threading.Lock()
         self._last = -math.inf
         self._steps = 0
+        #: Number and step of the cycle that rules remember last, None before the first, and how many cycles since then were missing by
+        #: their numbers alone.
+        self._since: tuple[int, int, int] | None = None
         self._rules = named_rules(program.rules)
         self._advisory = advisory(program.rules)
 
@@ -201,11 +205,22 @@ class Supervisor(OfOneRun):
                 if type(admission) is Admission and admission.about == opened.about:
                     opened.admission = admission
                     opened.faults += admission.faults
+                    if not opened.faults:
+                        self._lost(admission)
                 else:
                     opened.faults.append(incomplete("door"))
         except Exception as error:
             opened.faults.append(internal(error))
         return opened
+
+    def _lost(self, admission: Admission) -> None:
+        """Cycles that were lost on the way are missing, too: their numbers say so, and no step knew of them."""
+        if self._since is not None and admission.number is not None:
+            number, step, told = self._since
+            lost = min(admission.number - number, MOST_LOST) - (self._steps - step) - told
+            if lost > 0:
+                self.memory = self.program.missed(self.memory, lost)
+                self._since = number, step, told + lost
 
     def close_step(self, opened: Opened, judged: Judged | None, failed: list[Fault]) -> Decision:
         """End a step that was opened last, with what the program said of its frame, or why it said nothing."""
@@ -249,6 +264,8 @@ class Supervisor(OfOneRun):
         )
         if not isinstance(memory, Memory):
             raise TypeError("what rules remember was not kept")
+        if accepted and decision.number is not None and not in_doubt(opened.admission.frame, decision):  # type: ignore[union-attr]
+            self._since = decision.number, opened.about, 0
         return memory
 
     def _gap(self, closing: _Closing) -> Memory:
@@ -264,7 +281,8 @@ class Supervisor(OfOneRun):
         """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 for rules whose memory
         cannot be saved."""
         door = self.door.last
-        own: Piece = ["supervisor", self._steps, spelt(self._last), door[0], _or_none(door[1])]
+        since = (None, None, None) if self._since is None else self._since
+        own: Piece = ["supervisor", self._steps, spelt(self._last), door[0], _or_none(door[1]), *since]
         kept = save(self.program, self.memory)
         return Saving(*self._of, chain([own], held_pieces(self.held), kept))
 
@@ -273,7 +291,7 @@ class Supervisor(OfOneRun):
         other rules, values or another evaluator; then it is as it was."""
         pieces = opened(lines, *self._of, shown)
         try:
-            steps, last, number, stamp = pieces.next("supervisor", 4)
+            steps, last, number, stamp, *since = pieces.next("supervisor", 7)
             held = held_of(pieces)
             memory = restored(self.program, pieces)
             pieces.end()
@@ -283,10 +301,13 @@ class Supervisor(OfOneRun):
                 None if number is None else checked(number, int),
                 None if stamp is None else unspelt(stamp),
             )
+            reckoned = (
+                None if since == [None] * 3 else (checked(since[0], int), count(since[1]), count(since[2]))
+            )
         except NOT_SAVED as error:
             raise damaged(str(error), shown) from error
         self._steps, self._last, self.door.last = known[0], known[1], known[2:]
-        self.held, self.memory = held, memory
+        self.held, self.memory, self._since = held, memory, reckoned
 
     @cached_property
     def _of(self) -> tuple[str, str]:

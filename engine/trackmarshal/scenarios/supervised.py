@@ -205,7 +205,7 @@ class _Ahead(_Admitted):
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return memory
 
-    def missed(self, memory: Memory) -> Memory:
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
         return memory
 
 

@@ -240,6 +240,7 @@ def _init(plan: Layout, given: Supervised) -> Iterator[str]:
         yield "  c->run.missed = 0u;"
         yield "  c->run.crowded = false;"
         yield "  c->run.serial = 0u;"
+        yield "  c->run.number = 0;"
         yield "  c->run.begun = 0u;"
     yield "  tm_defaults(&own);"
     yield "  said = tm_configure(c, &own);"

@@ -11,6 +11,7 @@ from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY, PLAN
+from trackmarshal.runtime.driven import MOST_LOST
 
 
 def of_candidate(rule: RuleInfo) -> bool:
@@ -61,7 +62,7 @@ def judge(
     yield "  tm_output *out = &look->out->driving;"
     yield from driven(plan, given)
     if plan.remembers:
-        yield "  c->run.missed = c->run.any ? ((c->serial - c->run.serial) - 1u) : 0u;"
+        yield from _missed()
         yield "  if (!tm_begin_cycle(c, in, cycle->t) || (c->run.begun != c->serial)) {"
         yield "    return; /* it is no cycle of the run: no rule says anything */"
         yield "  }"
@@ -77,6 +78,21 @@ def judge(
     yield "  c->marks.judge = c->serial;"
     yield "}"
     yield ""
+
+
+def _missed() -> Iterator[str]:
+    """Statements that say how many cycles are missing before the present one: those of which a step knew, or as many as their numbers say
+    where more were lost on the way."""
+    yield "  c->run.missed = 0u;"
+    yield "  if (c->run.any) {"
+    yield "    const uint64_t steps = c->serial - c->run.serial;"
+    yield "    uint64_t numbers = 0u;"
+    yield "    if (cycle->number > c->run.number) {"
+    yield "      numbers = (uint64_t)cycle->number - (uint64_t)c->run.number;"
+    yield f"      numbers = (numbers < UINT64_C({MOST_LOST})) ? numbers : UINT64_C({MOST_LOST});"
+    yield "    }"
+    yield "    c->run.missed = ((numbers > steps) ? numbers : steps) - 1u;"
+    yield "  }"
 
 
 def driven(plan: Layout, given: Supervised) -> Iterator[str]:

@@ -301,7 +301,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
 
 #: Other members of what rules remember of the run, beside those of its sets.
 _OF_THE_RUN = frozenset(
-    {"any", "begun", "crowded", "future", "last", "lived", "missed", "now", "parts", "serial"}
+    {"any", "begun", "crowded", "future", "last", "lived", "missed", "now", "number", "parts", "serial"}
 )
 #: What the names of a rule's functions end in, after the rule's own: no other rule's name may.
 _ENDINGS = (

@@ -56,7 +56,7 @@ class Library:
             getattr(self.dll, name).restype = ctypes.c_int
         if source.plan.remembers:
             self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
-            self.dll.tmg_missed.argtypes = [pointer]
+            self.dll.tmg_missed.argtypes = [pointer, ctypes.c_uint64]
             self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
         if source.plan.lasting:
             self.dll.tmg_without.argtypes = [pointer, size, size]
@@ -266,10 +266,10 @@ class CProgram(Stateless):
             )
         self.numbering.settle(frame.t)
 
-    def skip(self) -> None:
-        """A cycle was refused, or did not come."""
+    def skip(self, cycles: int) -> None:
+        """Cycles were refused, or did not come."""
         if self._library is not None:
-            self._library.dll.tmg_missed(self._library.context)
+            self._library.dll.tmg_missed(self._library.context, cycles)
 
     def about(self, rule: RuleInfo, ended: bool = False) -> list[tuple[int, str, float, bool]]:
         """Of a rule that looks ahead, what it said in the frame that ran last: the cycle's number in the run, verdict, margin, and whether

@@ -97,9 +97,9 @@ class Cells:
         """Whether elements of any set are known again after an absence."""
         return bool(self._lives)
 
-    def missed(self) -> None:
-        """A gap, unless nothing came before it."""
-        self._missed += self._last is not None
+    def missed(self, cycles: int) -> None:
+        """A gap of so many cycles, unless nothing came before it."""
+        self._missed += 0 if self._last is None else cycles
 
     def before(self, machine: ir.Machine, key: Key, present: Present) -> Possible:
         """What a state machine may be in when the present cycle begins."""

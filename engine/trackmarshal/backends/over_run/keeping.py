@@ -47,16 +47,16 @@ class Keeping:
 
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         if in_doubt(frame, decision):
-            self._missed()
+            self._missed(1)
         else:
             self.cycles.append(past(self.spec, as_driven(frame, decision), self.missed_since))
             self.missed_since = 0
         return self._program.commit(memory, frame, decision)
 
-    def missed(self, memory: Memory) -> Memory:
-        self._missed()
-        return self._program.missed(memory)
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
+        self._missed(cycles)
+        return self._program.missed(memory, cycles)
 
-    def _missed(self) -> None:
+    def _missed(self, cycles: int) -> None:
         # What comes before the first cycle is no gap.
-        self.missed_since += bool(self.cycles)
+        self.missed_since += cycles if self.cycles else 0

@@ -60,8 +60,8 @@ class Engine(Protocol):
     def commit(self, state: Any, now: Now) -> Any:
         """After a cycle, with the leaves as they are of what was decided to be driven."""
 
-    def missed(self, state: Any) -> Any:
-        """After a cycle that was refused, or did not come."""
+    def missed(self, state: Any, cycles: int) -> Any:
+        """After so many cycles that were refused, or did not come."""
 
     def end(self, state: Any) -> Sequence[tuple[About, ...]]:
         """What each rule says of the cycles that were left open, after the last one."""
@@ -233,9 +233,11 @@ class Remembering:
             [leaf for leaf in self._all_leaves if any(signal in _OF_CANDIDATES for signal, _ in reads(leaf))]
         )
 
-    def missed(self, memory: Memory) -> Memory:
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
         assert isinstance(memory, Remembered)
-        return Remembered(self._engine.missed(memory.state), self._courses.missed(memory.courses))
+        return Remembered(
+            self._engine.missed(memory.state, cycles), self._courses.missed(memory.courses, cycles)
+        )
 
     def end(self, memory: Memory) -> dict[str, tuple[About, ...]]:
         assert isinstance(memory, Remembered)

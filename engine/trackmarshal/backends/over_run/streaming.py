@@ -147,10 +147,10 @@ class Streaming:
         present.like = like[0] if like else None
         return present
 
-    def missed(self, state: _Kept) -> _Kept:
+    def missed(self, state: _Kept, cycles: int) -> _Kept:
         self._fresh(state).taken = True
-        state.cells.missed()
-        missed = state.missed + 1 if state.cycles else 0
+        state.cells.missed(cycles)
+        missed = state.missed + cycles if state.cycles else 0
         return _Kept(state.cells, state.cycles, state.dropped, missed, state.pending, state.earlier)
 
     def end(self, state: _Kept) -> list[tuple[About, ...]]:

@@ -69,9 +69,9 @@ class KeepingAll:
         )
         return Kept(cycles, 0, tuple(pending))
 
-    def missed(self, state: Kept) -> Kept:
+    def missed(self, state: Kept, cycles: int) -> Kept:
         # What comes before the first cycle is no gap: nothing was remembered yet.
-        return Kept(state.cycles, state.missed + 1 if state.cycles else 0, state.pending)
+        return Kept(state.cycles, state.missed + cycles if state.cycles else 0, state.pending)
 
     def end(self, state: Kept) -> list[tuple[About, ...]]:
         history = History(state.cycles, ended=True)

@@ -26,8 +26,8 @@ class Around:
     def commit(self, memory: Memory, frame: Frame, decision: Decision | None) -> Memory:
         return self._program.commit(memory, frame, decision)
 
-    def missed(self, memory: Memory) -> Memory:
-        return self._program.missed(memory)
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
+        return self._program.missed(memory, cycles)
 
     def end(self, memory: Memory) -> Mapping[str, tuple[About, ...]]:
         return self._program.end(memory)

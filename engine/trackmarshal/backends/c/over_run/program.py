@@ -96,9 +96,9 @@ class CRemembering:
             run.names = {number: name for number, name in run.names.items() if number >= oldest}
         return _Kept(run, run.cycles)
 
-    def missed(self, memory: Memory) -> Memory:
+    def missed(self, memory: Memory, cycles: int = 1) -> Memory:
         run = self._run(memory)
-        run.program.skip()
+        run.program.skip(cycles)
         run.cycles += 1
         return _Kept(run, run.cycles)
 
