@@ -18,10 +18,11 @@ from trackmarshal.runtime.decision import Decision
 SPEC = """
 module told
 use prelude.frames
-signal plan : trajectory { t: s increasing, s: m, x: m, y: m, heading: rad, kappa: 1/m, v: m/s, a: m/s^2 }
-signal ego : state { x: m, y: m, heading: rad, v: m/s, age: s default 0 s }
+signal plan : trajectory { t: s increasing, s: m, x: m, y: m, heading: rad, kappa: 1/m, v: m/s, a: m/s^2, wet: bool default true }
+signal ego : state { x: m, y: m, heading: rad, v: m/s, age: s default 0 s, wet: bool default true }
 signal objects : set of object { x: m, y: m, heading: rad, v: m/s, length: m, width: m, age: s default 0 s }
 signal track : corridor { left: polyline, right: polyline }
+course way = ego for 1 s then plan
 param limit : m/s = 30 m/s
 rule slow "Not too fast"
   satisfies S-1-A-4
@@ -40,6 +41,13 @@ rule on_path "The car is on the path"
 rule somewhere "Some sample is far ahead"
   exists p in plan where p.x >= 1e6 m
   require p.v >= 0 m/s
+rule dry "It does not rain"
+  require not ego.wet
+rule was_dry "It has not rained"
+  require not once ego.wet
+rule dry_so_far "It has not rained, and will not"
+  along way as w
+  require not w.wet
 """
 BACKENDS = ("numpy", "reference", "c")
 
@@ -133,6 +141,14 @@ def test_where_nothing_fulfils_it(spec: Spec, backend: str) -> None:
     assert [(e["margin"], e["by"], e["reason"]) for e in told] == [
         ("-inf", None, "nothing in its range fulfils it")
     ] * 2
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", ["dry", "was_dry", "dry_so_far"])
+def test_what_a_boolean_decides_is_not_for_want_of_anything(spec: Spec, name: str, backend: str) -> None:
+    """Its margin is as infinite as that of `exists` where there is nothing; that of a range was told, of rules that have none."""
+    told = [entry for entry in decide(spec, backend, [name]).feedback if entry["kind"] == "rule"]
+    assert [(e["verdict"], e["margin"], e["reason"]) for e in told] == [("violated", "-inf", "")] * 2
 
 
 @pytest.mark.parametrize("backend", ["numpy", "c"])

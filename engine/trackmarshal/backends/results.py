@@ -172,7 +172,10 @@ def rule_result(
     unit = witness.unit if rule.unit == MIXED and witness is not None else undecided(rule.unit)
     reason = _why(rule, frame, values, descent) if verdict == "undefined" else ""
     shown = shown_unit(witness, unit)
-    return RuleResult(rule.name, verdict, margin, unit, witness, reason, along, shown, advisory=rule.advisory)
+    unmet = verdict == "violated" and margin == -math.inf and witness is None
+    return RuleResult(
+        rule.name, verdict, margin, unit, witness, reason, along, shown, advisory=rule.advisory, unmet=unmet
+    )
 
 
 def _why(rule: RuleInfo, frame: Frame, values: CaseValues, descent: Descent) -> str:

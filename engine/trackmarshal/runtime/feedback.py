@@ -48,7 +48,7 @@ def _of_rule(violation: Violation, frame: Frame | None) -> dict[str, Any]:
     witness = result.witness
     places = witness.places if witness is not None else ()
     short = -violation.margin if -math.inf < violation.margin < 0.0 else None
-    reason = result.reason or ("nothing in its range fulfils it" if violation.margin == -math.inf else "")
+    reason = "nothing in its range fulfils it" if result.unmet else result.reason
     return {
         "kind": "rule", "candidate": violation.candidate, "rule": violation.rule, "requirements": list(violation.requirements),
         "verdict": violation.verdict, "margin": _number(violation.margin), "unit": result.unit or violation.unit,

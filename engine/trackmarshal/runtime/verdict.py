@@ -100,6 +100,8 @@ class RuleResult:
     about: tuple[About, ...] = ()
     #: Whether it is of a rule that warns and never decides.
     advisory: bool = False
+    #: Whether it is violated since there is nothing that could fulfil it. Not known of a rule over the run.
+    unmet: bool = False
 
     @property
     def fired(self) -> bool:
