@@ -106,6 +106,24 @@ def test_cycles_that_were_lost_count_by_their_numbers(backend: str, saved: bool)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+def test_what_is_undefined_over_the_run_has_no_margin_that_is_shown(backend: str) -> None:
+    """`margin nan 1` stood where a reason stands, of which there is none."""
+    rig = Rig('rule before "" require not previous flag\n', backend)
+    rig.step()
+    rig.number += 1
+    rig.step()
+    found = rig.step()
+    assert [str(one) for one in found.violations] == [
+        "driving: before undefined",
+        "emergency: before undefined",
+    ]
+    assert {(one["by"], one["where"], one["decided_by"], one["reason"]) for one in found.feedback} == {
+        (None, None, None, "")
+    }
+    assert [one.witness for one in found.violations] == [None, None]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_cycles_that_were_seen_to_be_missing_are_counted_once(backend: str) -> None:
     """By a step without a cycle, and again by the number of the next one, which is refused; and one wrong number is no million of cycles."""
     rig = Rig('rule few "" require count(flag) <= 3\nrule fewer "" require count(flag) <= 2\n', backend)

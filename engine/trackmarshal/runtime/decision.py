@@ -38,18 +38,20 @@ class Violation(NamedTuple):
 
     @property
     def witness(self) -> Witness | None:
-        """What decided, and where; looked for when it is asked for."""
+        """What decided, and where; looked for when it is asked for. None of a rule over the run."""
         return self.explain().witness
 
     @property
     def reason(self) -> str:
-        """Why a rule is undefined: which input, where, or which operation; looked for when it is asked for. Empty where it is violated."""
+        """Why a rule is undefined: which input, where, or which operation; looked for when it is asked for. Empty where it is violated; of a
+        rule over the run, only of an element that found no place."""
         return self.explain().reason
 
     def __str__(self) -> str:
         asked = f" ({', '.join(self.requirements)})" if self.requirements else ""
-        if self.verdict == "undefined" and (reason := self.reason):
-            return f"{self.candidate}: {self.rule} undefined: {reason}{asked}"
+        if self.verdict == "undefined":  # over the run, often nobody knows why; there is no margin
+            reason = f": {found}" if (found := self.reason) else ""
+            return f"{self.candidate}: {self.rule} undefined{reason}{asked}"
         return f"{self.candidate}: {self.rule} {self.verdict}, margin {self.margin:.6g} {self.unit}{asked}"
 
 
