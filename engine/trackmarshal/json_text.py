@@ -7,6 +7,8 @@ import math
 from collections.abc import Iterable
 from typing import Any, Never, TypeVar
 
+from trackmarshal.units import double
+
 T = TypeVar("T")
 
 
@@ -75,10 +77,7 @@ def number(value: Any) -> float:
     if type(value) is float:
         return value
     if type(value) is int:
-        try:
-            return float(value)
-        except OverflowError:
-            return math.inf if value > 0 else -math.inf
+        return double(value)
     raise BadJson(f"{kind(value)} stands where a number is expected")
 
 

@@ -83,15 +83,15 @@ def parse_unit(text: str) -> tuple[float, float, Dimension]:
         factor, dim = UNITS[name]
         whole *= factor ** (sign * exponent)
         dimension = times(dimension, power(dim, Fraction(sign * exponent)))
-    return _double(whole.numerator), _double(whole.denominator), dimension
+    return double(whole.numerator), double(whole.denominator), dimension
 
 
-def _double(number: int) -> float:
-    """The double next to a whole number; what is beyond them becomes infinite, which no literal may be."""
+def double(number: float) -> float:
+    """The double next to a number; whole ones that are beyond them become infinite."""
     try:
         return float(number)
     except OverflowError:
-        return math.inf
+        return math.inf if number > 0 else -math.inf
 
 
 def _parts(text: str) -> list[str]:

@@ -381,6 +381,18 @@ def test_a_straight_road_does_not_tell_all(spec: Spec) -> None:
     assert unsure >= {"plan.heading", "plan.kappa", "ego.heading"}
 
 
+def test_whole_numbers_beyond_all_doubles_are_no_end_of_it(spec: Spec, tmp_path: Path) -> None:
+    """A seed of a planner, and a number that is wrong: it was an internal error."""
+    cycles = [
+        {**one, "seed": 10**400, "objects": [{**each, "v": 10**400} for each in one["objects"]]}
+        for one in recorded()[0][:20]
+    ]
+    path = tmp_path / "planner.jsonl"
+    path.write_text("\n".join(map(json.dumps, cycles)), encoding="utf-8")
+    told = [str(one) for one in tm.check_planner(path, spec).findings if one.about == "objects.v"]
+    assert ["not_finite (D215) in 20 of 20 cycles" in one for one in told] == [True]
+
+
 def test_nothing_to_look_at_is_refused(spec: Spec, tmp_path: Path) -> None:
     for given, code in (([], "D195"), ([{"a": 1.0}], "D196"), ([1], "D195")):
         with pytest.raises(tm.TrackmarshalError) as caught:

@@ -134,6 +134,8 @@ def test_headings_of_other_conventions(given: float, convention: dict[str, Any],
         (lambda: tm.resample(arc()), "D194"),
         (lambda: tm.resample(arc(), count=1), "D194"),
         (lambda: tm.resample(arc(), spacing=math.nan), "D194"),
+        (lambda: tm.resample(arc(), spacing=10**400), "D194"),
+        (lambda: tm.heading_from(0.0, 10**400), "D193"),
         (lambda: tm.resample(arc(), count=5, step=0.1), "D194"),
         (lambda: tm.resample({**arc(), "t": np.zeros(12)}, count=5), "D194"),
     ],
@@ -143,6 +145,13 @@ def test_what_cannot_be_done_is_refused(call: Any, code: str) -> None:
         call()
     assert caught.value.code == code
     assert caught.value.help
+
+
+def test_whole_numbers_beyond_all_doubles_are_infinite() -> None:
+    """As to the Supervisor's own door, which says then that they are not finite."""
+    made = tm.complete({"x": [0, 1], "y": [0, 0], "v": [1, 1], "about": [10**400, -(10**400)]})
+    assert made["about"].tolist() == [math.inf, -math.inf]
+    assert math.isnan(tm.heading_from(10**400))
 
 
 def test_short_floats_are_taken_where_they_have_lost_nothing() -> None:

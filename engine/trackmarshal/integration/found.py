@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.units import double
+
 Array = NDArray[np.float64]
 #: How deep objects are looked into.
 DEPTH = 6
@@ -126,7 +128,7 @@ def _number(value: Any) -> float | None:
             if isinstance(value, str)
             else None
         )
-    return float(value)
+    return double(value)
 
 
 def paths(cycles: list[Found], kind: str) -> Iterator[tuple[str, int]]:

@@ -16,6 +16,7 @@ from trackmarshal.integration.mapping import Column, columns
 from trackmarshal.integration.names import likeness
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.trajectories.along import completed
+from trackmarshal.units import double
 
 #: A trajectory that ends slower than this, in m/s, may be meant to end at rest.
 SLOW = 1.5
@@ -119,7 +120,7 @@ def _element(item: Mapping[str, Any], fields: dict[str, Column]) -> dict[str, An
     for name, column in fields.items():
         value = item.get(column.column)
         number = isinstance(value, int | float) and not isinstance(value, bool)
-        made[name] = column.convert(float(value)) if number and name != "id" else value  # type: ignore[arg-type]
+        made[name] = column.convert(double(value)) if number and name != "id" else value  # type: ignore[arg-type]
     return made
 
 

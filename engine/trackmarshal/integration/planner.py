@@ -159,14 +159,15 @@ def check_planner(
         raise TrackmarshalError(
             "D195", "there is no cycle", file=name, help="record at least one, better a hundred"
         )
-    made = read(raws, header, driving, emergency)
-    times = made.times()
-    cycles = tuple(made.cycle(place, t) for place, t in enumerate(times))
-    findings = [*of_structure(made), *of_motion(made, times)]
-    told = {one.about for one in findings if one.level == "broken"}
-    rules = [rule for rule in spec.rules if rule.formula is not None]
-    findings += at_the_door(spec, rules, cycles, told)
-    return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws))
+    with np.errstate(all="ignore"):  # what is not finite is for the door to tell
+        made = read(raws, header, driving, emergency)
+        times = made.times()
+        cycles = tuple(made.cycle(place, t) for place, t in enumerate(times))
+        findings = [*of_structure(made), *of_motion(made, times)]
+        told = {one.about for one in findings if one.level == "broken"}
+        rules = [rule for rule in spec.rules if rule.formula is not None]
+        findings += at_the_door(spec, rules, cycles, told)
+        return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws))
 
 
 def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:

@@ -153,7 +153,7 @@ def _moved(cycles: list[Found], times: list[float], path: str, named: dict[str, 
             try:
                 dx, dy = (float(item[named[f]]) - float(last[1][named[f]]) for f in ("x", "y"))
                 said = [float(item.get(named.get(f, ""), math.nan)) for f in ("heading", "v")]
-            except (KeyError, TypeError, ValueError):
+            except (KeyError, TypeError, ValueError, OverflowError):
                 continue
             if math.hypot(dx, dy) > 0.5:
                 found["direction"].append(math.atan2(dy, dx))

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Set
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.units import double
 
 if TYPE_CHECKING:
     import numpy as np
@@ -37,7 +38,7 @@ def numbers(name: str, values: Any) -> list[float]:
         if type(value) is not float:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise _unusable(f"`{name}[{index}]` is {type(value).__name__}, not a number")
-            value = float(value)
+            value = double(value)
         found.append(value)
     if (
         name in _LENGTHS

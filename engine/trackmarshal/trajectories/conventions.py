@@ -6,6 +6,7 @@ import math
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trajectories.along import wrap
+from trackmarshal.units import double
 
 #: Where a heading of 0 points to -> rad from +x, counter-clockwise. East, north, west and south with x to the east and y to the north.
 ZEROS = {
@@ -25,7 +26,7 @@ def converted(heading: list[float], zero: str | float, clockwise: bool, degrees:
                 "D193", f"a heading of 0 points to `{zero:.40}`?", help=f"known are {', '.join(ZEROS)}"
             )
         begin = ZEROS[zero]
-    elif isinstance(zero, int | float) and not isinstance(zero, bool) and math.isfinite(zero):
+    elif isinstance(zero, int | float) and not isinstance(zero, bool) and math.isfinite(double(zero)):
         begin = float(zero)
     else:
         raise TrackmarshalError("D193", f"a heading of 0 points to {zero!r:.40}?", help="give rad from +x")

@@ -9,6 +9,7 @@ from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.trajectories import along, conventions, rest
 from trackmarshal.trajectories.columns import arrays, equally_long, lists, numbers
 from trackmarshal.trajectories.resample import resampled
+from trackmarshal.units import double
 
 if TYPE_CHECKING:
     from trackmarshal.trajectories.columns import Array
@@ -61,7 +62,7 @@ def heading_from(
         if not isinstance(flag, bool):  # "no" would be true
             raise wrong_type(f"`{name}` is True or False", flag)
     if isinstance(heading, int | float) and not isinstance(heading, bool):
-        return conventions.converted([float(heading)], zero, clockwise, degrees)[0]
+        return conventions.converted([double(heading)], zero, clockwise, degrees)[0]
     read = numbers("heading", heading)
     return arrays({"heading": conventions.converted(read, zero, clockwise, degrees)})["heading"]
 

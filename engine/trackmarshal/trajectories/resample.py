@@ -8,6 +8,7 @@ from bisect import bisect_right
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trajectories.along import wrap
 from trackmarshal.trajectories.columns import Lists
+from trackmarshal.units import double
 
 
 def resampled(
@@ -35,7 +36,7 @@ def resampled(
         marks = [measure[0] + length * i / (count - 1) for i in range(count)]
     else:
         pace = spacing if spacing is not None else step
-        if not (isinstance(pace, int | float) and math.isfinite(pace) and pace > 0.0):
+        if not (isinstance(pace, int | float) and math.isfinite(double(pace)) and pace > 0.0):
             raise _refused(f"a distance of {pace!r:.40}")
         if length / pace > 1e6:
             raise _refused(f"a distance of {pace!r:.40} makes more than a million samples")

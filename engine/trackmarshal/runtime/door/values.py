@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.units import double
+
 Floats = NDArray[np.float64]
 #: Numbers that JSON has no word for, where data comes from it.
 SPELT = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
@@ -61,11 +63,11 @@ def number(value: Any, spelt: bool = False) -> float | None:
     if value is None:
         return math.nan
     if is_a(value, np.generic) or (kind is np.ndarray and value.ndim == 0):
-        return _float(item(value)) if value.dtype.kind in NUMBERS else None
+        return double(item(value)) if value.dtype.kind in NUMBERS else None
     if is_a(value, float):
         return float.__pos__(value)
     if is_a(value, int) and not is_a(value, bool):
-        return _float(int.__pos__(value))
+        return double(int.__pos__(value))
     if spelt and kind is str:
         return SPELT.get(value)
     return None
@@ -85,13 +87,6 @@ def whole(value: Any) -> int | None:
 def item(value: Any) -> Any:
     """What a number of numpy is in Python, whatever a derived class makes of that."""
     return np.generic.item(value) if is_a(value, np.generic) else value.item()
-
-
-def _float(value: Any) -> float:
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf
 
 
 def flag(value: Any) -> int | None:
