@@ -293,6 +293,16 @@ def test_objects_by_their_ids(spec: Spec) -> None:
     assert signals["obstacles"][0]["id"] == "c"
 
 
+@pytest.mark.parametrize("id_", [[1, 2], {"uuid": [1, 2]}])
+def test_ids_that_are_no_single_number_are_told(spec: Spec, id_: Any) -> None:
+    """As ROS has them. By their motion, the objects are known again all the same."""
+    cycles = [{**one, "objects": [{**each, "id": id_} for each in one["objects"]]} for one in recorded()[0]]
+    report = tm.check_planner(cycles, spec)
+    told = [str(one) for one in report.findings if one.about == "objects.id"]
+    assert ["wrong_type (D202) in 60 of 60 cycles" in one for one in told] == [True]
+    assert "times the speed of their motion" in str(report)
+
+
 def test_a_second_list_of_others_is_not_lost_silently(spec: Spec) -> None:
     """One list is taken; of the other one nothing was said, and the adapter left it out."""
 

@@ -142,10 +142,10 @@ def obstacles(cycles: list[Found], taken: str | None) -> tuple[str, dict[str, Co
 def _moved(cycles: list[Found], times: list[float], path: str, named: dict[str, str]) -> dict[str, Array]:
     """Of objects that moved more than 0.5 m from one cycle to the next: direction and speed of that, and what they say of it."""
     found: dict[str, list[float]] = {"direction": [], "speed": [], "heading": [], "v": []}
-    before: dict[Any, tuple[float, dict[str, Any]]] = {}
+    before: dict[str, tuple[float, dict[str, Any]]] = {}
     for one, t in zip(cycles, times):
         for place, item in enumerate(one.sets.get(path, ())):
-            key = item.get(named.get("id", ""), place)
+            key = repr(item.get(named.get("id", ""), place))  # which may be a list, or a record, as in ROS
             last = before.get(key)
             before[key] = (t, item)
             if last is None or not t > last[0]:
