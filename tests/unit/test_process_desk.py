@@ -190,6 +190,31 @@ def test_a_time_that_is_none_is_not_compiled_away(flag: str, tmp_path: Path) -> 
         )
 
 
+#: As 32-bit PCs have them: a number of 64 bits is aligned to 4 bytes.
+ALIGNED_TO_4 = """
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#include "mailbox.h"
+typedef uint64_t four __attribute__((aligned(4)));
+#define uint64_t four
+#include "mailbox.c"
+#undef uint64_t
+size_t aligned(void) { return __alignof__(*word(NULL, 0u)); }
+"""
+
+
+def test_words_of_shared_memory_are_atomic_on_32_bits(tmp_path: Path) -> None:
+    """clang takes the alignment of the type, and had a library lock what it takes for unaligned: a lock in each process by itself, for which nothing is linked."""
+    spec = tm.loads(SPEC)
+    source = generate(spec, list(spec.rules), doored=True)
+    made = Emitted(source, asdict(LIMITS))
+    flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
+    files = {"supervisor.h": source.header, **made.files, "aligned.c": ALIGNED_TO_4}
+    dll = ctypes.CDLL(str(_built(files, ["aligned.c", "-lm"], flags, "so")))
+    dll.aligned.restype = ctypes.c_size_t
+    assert dll.aligned() == 8
+
+
 class Sent:
     """A channel that keeps what is sent, in order."""
 
