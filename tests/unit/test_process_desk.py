@@ -91,6 +91,16 @@ bool probe_serve(const char *name) {
 }
 """
 FENCED = "void probe_fence(int);\n#define __atomic_thread_fence(order) probe_fence(order)\n"
+#: Before the desk: what it counts by has 32 bits, as on a smaller machine; all that others count by too is declared by then.
+NARROW = """
+#define _POSIX_C_SOURCE 200809L
+#include <float.h>
+#include <math.h>
+#include <string.h>
+#include <time.h>
+#include "messages.h"
+#define size_t uint32_t
+"""
 UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "supervisor.c", "probe.c", "serve.c")
 FETCH = ctypes.CFUNCTYPE(
     ctypes.c_bool, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.POINTER(ctypes.c_size_t)
@@ -104,7 +114,7 @@ LEFT, RIGHT, STOP = ([[-50.0, 6.0], [90.0, 6.0]], [[-50.0, -6.0], [90.0, -6.0]],
 class C:
     """The library, and the messages that it speaks."""
 
-    def __init__(self) -> None:
+    def __init__(self, narrow: bool = False) -> None:
         spec = tm.loads(SPEC)
         source = generate(spec, list(spec.rules), doored=True)
         made = Emitted(source, asdict(LIMITS))
@@ -117,6 +127,7 @@ class C:
             **made.files,
         }
         files["mailbox.c"] = FENCED + files["mailbox.c"]
+        files["desk.c"] = (NARROW if narrow else "") + files["desk.c"]
         flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
         self.dll: Any = ctypes.CDLL(str(_built(files, [*UNITS, "-lm"], flags, "so")))
         self.dll.probe_desk.restype = self.dll.probe_client.restype = ctypes.c_size_t
@@ -510,6 +521,26 @@ def test_what_a_message_does_not_have_is_a_fault(
     assert (said["safe"], said["wanted"]) == (0, 0)
     assert expected in found
     assert found == [expected]
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+@pytest.mark.parametrize(
+    ("box", "entry"), [("cycle", "driving/count"), ("cycle", "signals.objects/count"), ("line_2", "count")]
+)
+def test_more_than_a_process_of_32_bits_can_count_is_too_much(box: str, entry: str, narrow: bool) -> None:
+    """Of a planner with 64 bits, as many as fit were taken, and the cycle was safe."""
+    c = C(narrow)
+    desk, planner = Desk(c), Planner(c.layout)
+    sent = []
+    for name, data in planner.cycle(0):
+        message, kind = bytearray(data), "cycle" if name == "cycle" else "line"
+        if name == box:
+            count = c.layout.kinds[kind].get(message, entry)
+            c.layout.kinds[kind].put(message, entry, count + (1 << 32))
+        sequence = int.from_bytes(data[32:40], "little")
+        sent.append((name, c.sealed(kind, message, 1000, sequence, 0.0)))
+    said = desk.decided(sent)
+    assert (said["safe"], "over_capacity" in faults(said)) == (0, True)
 
 
 def test_a_decision_is_about_the_cycle_as_it_was_numbered_and_stamped(c: C) -> None:
