@@ -184,6 +184,16 @@ def test_what_is_not_worked_out_yet_is_said_to_be_that() -> None:
     assert "no field of a car sees a signal of an expression" in (raised.value.help or "")
 
 
+@pytest.mark.parametrize("name", ["driven", "emergency"])
+def test_what_the_supervisor_tells_is_not_given(name: str) -> None:
+    """An event of a project may be meant otherwise, as that the driver drives; what was given of it was lost without a word."""
+    Path("town.spec").write_text(SPEC + 'event driven "the driver drives"\n')
+    with pytest.raises(TrackmarshalError, match=f"`{name}` is told by the Supervisor") as raised:
+        scene(("  rain:", f"  {name}: {{at: {{0 s: false, 1 s: true}}}}\n  rain:"))
+    assert raised.value.code == "D250"
+    assert raised.value.help == "give an event of your own another name"
+
+
 def test_what_is_given_is_written_and_read_again() -> None:
     made = scene()
     again = recording_io.decode("\n".join(recording_io.encode(made)).encode(), "again")

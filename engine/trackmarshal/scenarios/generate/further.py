@@ -10,7 +10,8 @@ from typing import Any
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import FieldType, SignalType
-from trackmarshal.runtime.cycle import DRIVING
+from trackmarshal.runtime.contract import IS_DRIVEN
+from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.door.cases import CasesReader
 from trackmarshal.scenarios.fields import ELSEWHERE, OWN, own_names
 from trackmarshal.scenarios.generate.document import Item
@@ -83,6 +84,9 @@ def _of_obstacle(recording: Recording, specs: Specs, name: str, given: Given) ->
 def _signal(recording: Recording, specs: Specs, given: GivenSignal, columns: Table) -> Recording:
     """The recording with one more signal, in the first line where it is the same in all cycles."""
     name = given.name
+    if name == EMERGENCY or (name == IS_DRIVEN and name in specs.spec.events):
+        message = f"`{name}` is told by the Supervisor, whatever is given"
+        raise given.item.wrong(message, "give an event of your own another name", "D250")
     if name in ELSEWHERE:
         raise given.item.wrong(
             f"`{name}` has its own place", "fields of cars stand under `fields` of each car", "D250"
