@@ -92,7 +92,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    numbers = range(301, 315)
+    numbers = range(301, 316)
     assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
@@ -299,6 +299,43 @@ def test_what_does_not_change_along_a_timeline_is_asked_about(
 @pytest.mark.parametrize("formula", ["recent", "rising(fast)", "count(fast, last: 3 s) <= 2"])
 def test_over_the_run_it_changes(formula: str, tmp_path: Path) -> None:
     assert compiled(tmp_path, ALONG + rule("a", formula)).found == ()
+
+
+@pytest.mark.parametrize(
+    ("way", "clauses", "v"),
+    [
+        ("linear", "", 0.0),
+        ("linear", "  whenever  car.v >= 2 m/s\n", 40.0),
+        ("linear", "  for all   o in cars where o.v <= 10 m/s\n", 0.0),
+        ("step", "", 0.0),
+        ("step", "  whenever  car.v >= 2 m/s\n", None),
+        ("linear", "  whenever  car.v in [2 m/s, 16 m/s]\n", None),
+        ("linear clamp", "", None),
+        ("step clamp", "", None),
+        ("linear wrap 20 m/s", "", None),
+    ],
+)
+def test_a_table_that_has_no_value_for_an_input_is_asked_about(
+    way: str, clauses: str, v: float | None, tmp_path: Path
+) -> None:
+    """By what the evaluator says of the speed that is named, and not by how tables are read."""
+    head = (
+        "signal car : state { v: m/s in [0, 40] }\nsignal cars : set of object { v: m/s in [0, 40] }\n"
+        f"table distance(v: m/s) -> m = {way}\n  | 2 m/s: 2 m | 16 m/s: 26 m |\n"
+    )
+    who = "o" if "cars" in clauses else "car"
+    demand = f"distance({who}.v) <= 30 m"
+    made = compiled(tmp_path, head + rule("a", demand, clauses))
+    assert [found.code for found in made.found] == ([] if v is None else ["W315"])
+    evaluator = Evaluator(made.spec, None, "reference")
+    speeds = [0.0, 1.9, 2.0, 9.0, 16.0, 16.1, 40.0]
+    signals = [{"ego": {"v": 0, "heading": 0}, "car": {"v": one}, "cars": [{"v": one}]} for one in speeds]
+    results = evaluator.evaluate([evaluator.read({"signals": each}) for each in signals])
+    undefined = [one for one, result in zip(speeds, results) if result.rules["a"].verdict == "undefined"]
+    assert bool(undefined) == (v is not None)
+    if v is not None:
+        assert v in undefined
+        assert made.found[0].message.endswith(f"may be {v:g} m/s")
 
 
 @pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])

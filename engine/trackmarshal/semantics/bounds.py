@@ -15,7 +15,7 @@ from typing import TypeAlias, assert_never
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.arithmetic import apply, arith
 from trackmarshal.ir.operators import ArithmeticOp, ComparisonOp
-from trackmarshal.ir.spec import FieldType, ParamInfo, SignalType
+from trackmarshal.ir.spec import FieldType, ParamInfo, SignalType, TableInfo
 from trackmarshal.source import Span
 
 Interval: TypeAlias = tuple[float, float]
@@ -69,10 +69,15 @@ class Facts:
 
 
 class Bounds:
-    """Looks at formulas with the signals and parameters of a spec. Raises TooMuchError for those that are too large; `begin` first."""
+    """Looks at formulas with the signals, parameters and tables of a spec. Raises TooMuchError for those that are too large; `begin` first."""
 
-    def __init__(self, signals: Mapping[str, SignalType], params: Mapping[str, ParamInfo]) -> None:
+    def __init__(
+        self, signals: Mapping[str, SignalType], params: Mapping[str, ParamInfo], tables: Mapping[str, TableInfo]
+    ) -> None:  # fmt: skip
         self._signals, self.params = signals, params
+        self.tables = tables
+        #: By table, where the inputs lie at which the rule reads it.
+        self.read_at: dict[str, Interval] = {}
         self._fields: dict[tuple[str, str], FieldType | None] = {}
         self._left = MOST
         #: Of another cycle, or another sample, nothing is known.
@@ -81,6 +86,10 @@ class Bounds:
     def begin(self) -> None:
         """Begin to look at another rule."""
         self._left = MOST
+        self.read_at, self.nothing = (
+            {},
+            Facts(),
+        )  # what was worked out for another rule took no note for this one
 
     def _count(self) -> None:
         self._left -= 1
@@ -315,12 +324,22 @@ class Bounds:
                 return ANY if node.name else NOT_NEGATIVE
             case ir.OnLane():
                 return NOT_NEGATIVE if node.what == "distance" else ANY
-            case ir.Lookup() | ir.GridLookup():  # others may be given
+            case ir.Lookup():
+                self._reads(node, facts)
+                return ANY  # another one may be given
+            case ir.GridLookup():
                 return ANY
             case ir.Station() | ir.Offset() | ir.Direction() | ir.StationGap() | ir.StretchRoom():
                 return ANY
             case _:
                 assert_never(node)
+
+    def _reads(self, node: ir.Lookup, facts: Facts) -> None:
+        """Take note of where a table is read: of an input alone, since what is computed need not come to all that its interval has."""
+        if isinstance(node.argument, (ir.Column, ir.Sample, ir.Scalar)):
+            low, high = self._interval(node.argument, facts)
+            least, most = self.read_at.get(node.table, (low, high))
+            self.read_at[node.table] = min(low, least), max(high, most)
 
     def _arithmetic(self, node: ir.Arith, facts: Facts) -> Interval:
         left, right = self._interval(node.left, facts), self._interval(node.right, facts)

@@ -140,7 +140,7 @@ class _Compiler:
         # Rules that are taken from there share their numbers with those that are made here.
         self.interner = ir.Interner() if before is None else before.interner
         self.x = Expressions(self.signals, self.found)
-        self.x.bounds = Bounds(self.signals, self.params)
+        self.x.bounds = Bounds(self.signals, self.params, self.tables)
         self.scopes = self.x.scopes
         self.elsewhere = Elsewhere(library)
 

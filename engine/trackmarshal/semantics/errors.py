@@ -905,6 +905,28 @@ class SameEverywhere(Diagnostic):
     timeline: str
 
 
+class NoValue(Diagnostic):
+    code = "W315"
+    title = "a table that has no value"
+    level = "warning"
+    text = "the table `{table}` has no value {side} {end}, and what it is asked for may be {beyond}"
+    label = "this is undefined there, which is never safe"
+    remedy = (
+        "say `clamp` behind how the table is read, so that the last value counts outside, give it more knots, leave these inputs out (`whenever`, `where`), or say in "
+        'the rule why this is meant: `allow W315 because "..."`'
+    )
+    explanation = (
+        "A table without `clamp` and without `wrap` has no value outside of its knots. Where the declared range of an input goes further, the rule is undefined "
+        "there, which is never safe: a car that has a table of distances from 7.2 km/h on would not drive off."
+    )
+
+    span: Span
+    table: str
+    side: str
+    end: str
+    beyond: str
+
+
 class NeverStarts(Diagnostic):
     code = "W312"
     title = "a rule with which a Supervisor never starts"

@@ -118,7 +118,7 @@ class Expressions:
         self.scales: dict[str, float] = {}
         self.params: dict[str, Dimension] = {}
         #: What numbers can come to; the compiler adds what it knows of parameters.
-        self.bounds = Bounds(signals, {})
+        self.bounds = Bounds(signals, {}, {})
         #: By name.
         self.courses: dict[str, CourseInfo] = {}
         self.advice = Advice()

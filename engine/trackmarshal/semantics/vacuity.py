@@ -1,24 +1,45 @@
-"""Rules that say nothing: conditions that never hold, demands that nothing can break or nothing can meet."""
+"""Rules that say nothing: conditions that never hold, demands that nothing can break or nothing can meet, and tables that have no value."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Iterator
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.spec import short_name
 from trackmarshal.lowering.rules import Lowered
 from trackmarshal.semantics.bounds import FAILS, HOLDS, Bounds, Facts, TooMuchError
-from trackmarshal.semantics.errors import AlwaysHolds, NeverHolds
+from trackmarshal.semantics.errors import AlwaysHolds, NeverHolds, NoValue
 from trackmarshal.source import Span
+from trackmarshal.units import in_full
 
 
 def vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> list[Diagnostic]:
-    """The first clause of a rule because of which it says nothing, outermost first."""
+    """The first clause of a rule because of which it says nothing, outermost first; of a rule that says something, where a table has nothing to say."""
     bounds.begin()
     try:
         found = _vacuous(core, rule, bounds)
     except (TooMuchError, RecursionError):  # a warning that is not given harms nobody
-        found = None
-    return [] if found is None else [found]
+        return []
+    return list(_outside(rule, bounds)) if found is None else [found]
+
+
+def _outside(rule: typed.Rule, bounds: Bounds) -> Iterator[Diagnostic]:
+    """Of tables that have no value outside of their knots, those that inputs may be outside of by their declared ranges."""
+    for name, (low, high) in bounds.read_at.items():
+        table = bounds.tables.get(name)  # None where it has errors of its own
+        if table is None or table.way.clamped or table.way.length:
+            continue
+        first, last = table.knots[0], math.inf if table.way.steps else table.knots[-1]
+        beyond = low if -math.inf < low < first else high if last < high < math.inf else None
+        if beyond is not None:
+            side, end = ("below", first) if beyond < first else ("above", last)
+            unit = table.units[0]
+            yield NoValue(
+                rule.condition.span, short_name(table), side, in_full(end, unit), in_full(beyond, unit)
+            )
 
 
 def never_taken(guard: ir.Formula, span: Span, bounds: Bounds) -> Diagnostic | None:
