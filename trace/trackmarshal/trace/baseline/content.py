@@ -37,9 +37,9 @@ _OWN_VALUES = ["the values of its specs"]
 WORKED_OUT = ", worked out"
 #: What entries of tests of other runners begin with, and what their names may end with.
 _EXTERNAL = "external-tests "
-#: Those of them that name the requirement no more.
 #: The field of a section that holds its heading.
 HEADING = "heading"
+#: Those of them that name the requirement no more.
 UNMARKED = "no longer naming it"
 #: How many of them were not skipped, in any of their parameters.
 RAN = "not skipped"
