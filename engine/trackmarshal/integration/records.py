@@ -49,7 +49,7 @@ def ego(
 ) -> tuple[str, dict[str, Column]] | None:
     """The record that is where plans begin, with its fields; `starts` are the first places of the driving trajectories, `way` their directions."""
     ranked: list[tuple[float, str, dict[str, str]]] = []
-    for path in {path for one in cycles for path in one.records}:
+    for path in dict.fromkeys(path for one in cycles for path in one.records):  # of equals, the first
         named = by_names(
             list(next(c.records[path] for c in cycles if path in c.records)),
             ("x", "y", "heading", "v"),
