@@ -7,7 +7,7 @@ cannot be read. Nothing is taken away by this: what follows is a finding as befo
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.trace.findings import LEVELS, Finding, Place
@@ -115,6 +115,9 @@ _OF_RECORD = frozenset({"T148"})
 #: Links whose source rests on its target although it lies below it.
 _UPWARD = frozenset({"tests", "evaluates", "replays", "reviews", "examines", "used_for"})
 
+#: What findings that are alike have in common.
+_Kind = tuple[object, ...]
+
 
 def causes(
     findings: Sequence[Finding], graph: Graph, demands: Iterable[tuple[Place, str]] = ()
@@ -153,10 +156,14 @@ class _Folding:
             for number, f in enumerate(findings)
         }
         self._found = sorted(findings, key=self._key.__getitem__)
-        self._by_name: dict[str, list[Finding]] = defaultdict(list)
+        #: By name of what findings are about, those that are alike in all that decides whether others follow from them, the earliest first.
+        self._alike: dict[str, dict[_Kind, deque[Finding]]] = defaultdict(dict)
+        #: And by name those that follow from something, one for each that they follow from: a document may have thousands of them.
+        self._following: dict[str, dict[_Kind, Finding]] = defaultdict(dict)
         for finding in self._found:
+            kind = (self._key[finding][0], finding.code, finding.level, finding.subject)
             for name in self._about[finding]:
-                self._by_name[name].append(finding)
+                self._alike[name].setdefault(kind, deque()).append(finding)
         self._below: dict[str, list[str]] | None = None
         self._cause: dict[Finding, Finding] = {}
 
@@ -172,6 +179,9 @@ class _Folding:
                     if cause is not None:
                         self._cause[finding] = cause
                         again = True
+                        for name in self._about[finding]:
+                            kind = (self._key[finding][0], finding.code, cause)
+                            self._following[name].setdefault(kind, finding)
         return {finding: self._root(finding) for finding in self._cause}
 
     def _root(self, finding: Finding) -> Finding:
@@ -202,7 +212,7 @@ class _Folding:
         for own, names in self._nearer(finding):
             best = None
             for name in names:
-                for other in self._by_name.get(name, ()):
+                for other in self._named(name):
                     root = self._root(other)
                     if (
                         root is finding
@@ -225,6 +235,15 @@ class _Folding:
             if best is not None:
                 return best
         return self._unread(finding)
+
+    def _named(self, name: str) -> Iterator[Finding]:
+        """Findings about a name: of those that are alike and follow from nothing the first, since another one follows from that if from any."""
+        for alike in self._alike.get(name, {}).values():
+            while alike and alike[0] in self._cause:
+                alike.popleft()
+            if alike:
+                yield alike[0]
+        yield from self._following.get(name, {}).values()
 
     def _precedes(self, other: Finding, finding: Finding, same_thing: bool) -> bool:
         """Whether a finding may be the cause of another one, which is about the same thing or rests on it."""
