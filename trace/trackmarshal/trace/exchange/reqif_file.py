@@ -189,6 +189,7 @@ class _Reading:
 
     def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding]) -> None:
         self._shown, self._found = shown, found
+        self._told: set[str] = set()  #: what is not taken over, each once
         content = bundle.core_content.req_if_content if bundle.core_content else None
         if content is None:
             raise Refused("T354", "no ReqIF: it has no content", shown, 1, "export it again")
@@ -395,7 +396,8 @@ class _Reading:
 
     def _dropped(self, what: str, node: Any) -> None:
         line = getattr(node, "sourceline", None) or 0
-        if not any(item.message.startswith(what) for item in self._found):
+        if what not in self._told:
+            self._told.add(what)
             self._found.append(warning("T357", f"{what} is not taken over", Place(self._shown, line)))
 
 
