@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import assert_never
 
+from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import outside_machines, over_run, recalled, recalls, sets
 from trackmarshal.semantics.errors import OverRunProblem
@@ -52,7 +53,9 @@ def _short(machine: ir.Machine) -> str:
 def _called(node: ir.Remembered) -> str:
     match node:
         case ir.OverRun():
-            return node.op
+            # `rising(p)` and `falling(p)` are made of `previous`, which nobody wrote.
+            word = node.span.text.partition("(")[0].strip()
+            return word if word in typed.EDGES else node.op
         case ir.Counted():
             return "count"
         case ir.InState():
