@@ -72,10 +72,12 @@ def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
 
 
 def _otherwise(left: typed.Value, right: ast.Expr) -> str:
-    """What to write for `braking is true`, or false, and for `o is ego`."""
+    """What to write for `braking is true`, or false, for `ego.lane is 1`, and for `o is ego`."""
     written = " ".join(left.span.text.split())
     if isinstance(right, ast.Boolean) and isinstance(left, typed.FormulaNode):
         return f"write `{written}`" if right.value else f"write `not ({written})`"
+    if isinstance(left, typed.NumberNode) and not isinstance(right, (ast.Boolean, ast.Name)):
+        return f"numbers are compared: `{written} == {' '.join(ast.span_of(right).text.split())}`"
     if isinstance(left, typed.RecordNode):
         return f"`is` asks for a member: compare a field that tells which it is, such as a declared `number: 1`, `{written}.number`"
     return ""
