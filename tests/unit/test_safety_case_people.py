@@ -133,6 +133,12 @@ def test_a_review_of_another_version_counts_for_nothing(warehouse: Path) -> None
     assert "SYS-1" in unreviewed(html(warehouse))["requirement"]
 
 
+def test_a_review_that_found_something_has_accepted_nothing(warehouse: Path) -> None:
+    """The page of open points lists it as the gate does: the section about people must not say otherwise."""
+    edit(warehouse, "requirements/people.yaml", "outcome: accepted", "outcome: open")
+    assert "SYS-1" in unreviewed(html(warehouse))["requirement"]
+
+
 def test_the_table_for_signatures_is_there_and_empty(warehouse: Path) -> None:
     page = html(warehouse)
     (table,) = re.findall(r'<table class="blanks">(.*?)</table>', page.html, re.DOTALL)

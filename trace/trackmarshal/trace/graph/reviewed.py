@@ -20,11 +20,11 @@ def _unreviewed(graph: Graph, asked: Sequence[Reviewed]) -> Iterator[Key]:
             wanted = node.demanded and (not entry.ids or matches(node.id, entry.ids))
             if entry.from_asil and asil(node, -1) < LEVEL[entry.from_asil]:
                 wanted = False
-            if wanted and not _reviewed(graph, node):
+            if wanted and not reviewed(graph, node):
                 yield node.key
 
 
-def _reviewed(graph: Graph, node: Node) -> bool:
+def reviewed(graph: Graph, node: Node) -> bool:
     """Whether the last review of its present version accepted it: who finds it open later, or on the same day, takes that back."""
     last = {"accepted": "", "open": ""}
     for link in graph.into(node.key):
@@ -36,4 +36,4 @@ def _reviewed(graph: Graph, node: Node) -> bool:
     return last["accepted"] > last["open"]
 
 
-__all__ = ["unreviewed"]
+__all__ = ["reviewed", "unreviewed"]

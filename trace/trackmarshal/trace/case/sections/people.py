@@ -8,7 +8,8 @@ from itertools import chain, repeat
 
 from trackmarshal.trace.case.model import Blanks, Block, Code, Fixed, Given, Line, Number, Section, Status
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, made, written
-from trackmarshal.trace.graph.graph import Node, holds
+from trackmarshal.trace.graph.graph import Node
+from trackmarshal.trace.graph.reviewed import reviewed
 
 #: Kinds of things that a second person may be expected to have read.
 READ = (
@@ -83,15 +84,11 @@ def _recorded(writing: Writing, review: Node) -> Line:
 
 
 def _unreviewed(writing: Writing) -> Iterator[Block]:
-    """By kind, how many things no review is of, in the version that is here, and which."""
-    reviewed = {
-        link.target for link in writing.graph.links
-        if link.kind == "reviews" and holds(link) and link.state != "outdated"
-    }  # fmt: skip
+    """By kind, how many things no review accepted in the version that is here, and which."""
     rows: list[list[Line]] = []
     for kind in READ:
         nodes = [node for node in writing.of_kind(kind) if node.demanded]
-        open_ = [node.key for node in nodes if node.key not in reviewed]
+        open_ = [node.key for node in nodes if not reviewed(writing.graph, node)]
         if open_:
             count = (
                 Number(f"unreviewed/{kind}", str(len(open_))),
