@@ -49,3 +49,13 @@ def test_a_requirement_that_nobody_demands_any_longer_stands_at_the_end(shuttle:
     said = section(shuttle, "requirements")
     assert "No longer demanded" not in said
     assert statement in said
+
+
+def test_what_nobody_demands_any_longer_serves_and_refines_nothing(shuttle: Path) -> None:
+    """The gate counts it for nothing (T150, T161): a goal that the document shows as achieved by it would look served."""
+    old = "    adopted: An earlier permit.\n    status: obsolete\n    asil: C\n"
+    edit(shuttle, "requirements/requirements.yaml", old, "    refines: [S-3]\n    achieves: [SG-1]\n    status: obsolete\n    asil: A(C)\n")  # fmt: skip
+    for name in ("hazards", "decomposition", "requirements"):
+        said = section(shuttle, name).partition("No longer demanded")[0]
+        assert "S-3" in said
+        assert "S-9" not in said, name

@@ -140,13 +140,13 @@ class Writing:
         return [node for node in found if node is not None]
 
     def before(self, key: Key, kind: str) -> list[Node]:
-        """The nodes from which links of a kind lead to one, as far as they hold."""
+        """The nodes from which links of a kind lead to one, as far as they hold; what is demanded no longer serves, refines and answers nothing."""
         found = (
             self.graph.nodes.get(link.source)
             for link in self.graph.into(key)
             if link.kind == kind and holds(link)
         )
-        return [node for node in found if node is not None]
+        return [node for node in found if node is not None and node.demanded]
 
     def of_kind(self, kind: str) -> Sequence[Node]:
         return self.graph.by_kind.get(kind, ())
