@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -66,6 +66,7 @@ class Asking:
     def __init__(self, graph: Graph, project: Project) -> None:
         self._graph, self._project = graph, project
         self._reaching: dict[tuple[str, tuple[Condition, ...]], frozenset[Key]] = {}
+        self._obsolete = frozenset(key for key, node in graph.nodes.items() if not node.demanded)
 
     def met(self, node: Node, any_of: Sequence[Way]) -> bool:
         """Whether one of these ways is there for a node."""
@@ -90,9 +91,11 @@ class Asking:
                     f"`{name}`" for way in need.any_of if way.every for name in self._wanted(node, way)
                 )
                 message = _filled(need.says or f"{{it}} has {lacks or every}", node).replace("{every}", every)
+                gone = self._gone(node, need.any_of)
+                message += "".join(f"; `{name}` is demanded no longer" for name in gone)
                 missing = tuple(name for way in need.any_of if way.every for name in self._wanted(node, way))
                 yield Finding(
-                    str(need.code) or "T150", need.level, message, node.place, _filled(need.help, node), node.id, about=missing
+                    str(need.code) or "T150", need.level, message, node.place, _filled(need.help, node), node.id, about=(*missing, *gone)
                 )  # fmt: skip
             for number, way in zip(numbers, need.any_of):
                 if way.at_most is not None and number > way.at_most:
@@ -118,7 +121,7 @@ class Asking:
             ends = [
                 link.target
                 for link in self._graph.out_of(node.key)
-                if link.kind == kind and link.state != "outdated"
+                if link.kind == kind and link.state != "outdated" and link.target not in self._withdrawn(node)
             ]
         else:
             ends = [
@@ -133,6 +136,16 @@ class Asking:
             other.demanded and (not way.kinds or other.kind in way.kinds) and fits(other, way.where)
             for other in others
         )
+
+    def _withdrawn(self, node: Node) -> Container[Key]:
+        """What is demanded no longer, which is no reason for what still is, and answers nothing of it."""
+        return self._obsolete if node.demanded else ()
+
+    def _gone(self, node: Node, any_of: Sequence[Way]) -> list[str]:
+        """What a node names under one of these ways, and nobody demands any longer."""
+        kinds = {kind for way in any_of if way.link for kind, outward in [WAYS[way.link]] if outward}
+        links = [link for link in self._graph.out_of(node.key) if link.kind in kinds]
+        return list(dict.fromkeys(k.target[1] for k in links if k.target in self._withdrawn(node)))
 
     def _wanted(self, node: Node, way: Way) -> list[str]:
         """Nodes that a way with `every` asks for, and that a node is not linked with; of which no integrity level is given, none is."""
