@@ -86,6 +86,24 @@ def test_a_failure_shows_at_every_requirement_above() -> None:
     assert status(matrix, "S-1-A-2", "S-3-B") == "covered"
 
 
+def test_what_a_stage_asks_nothing_of_hides_nothing_below_it(tmp_path: Path) -> None:
+    """What is open shows above at any depth: here `RR-2` refines `RR-1`, of which the stage of tests asks nothing."""
+    small = Small.copy(tmp_path)
+    old = "rationale: The tyres slide otherwise.\n    refines: "
+    small.replace("requirements/criteria.yaml", f"{old}[S-1-A-5]", f"{old}[RR-1]")
+    asked = 'title: verification, shows: its tests, applies_to: ["*"]'
+    small.replace("requirements/v-model.yaml", asked, asked.replace('"*"', "S-1-*, RR-2"))
+    results = small.parts()[2]
+    assert status(build(small), "RR-1", "S-3-B") is None
+    assert status(build(small), "S-1-A-5", "S-3-B") == "covered"
+    for outcome, expected in (("failed", "failed"), (None, "missing")):
+        made = [r if r.rule != "friction" else replace(r, outcome=outcome) for r in results if outcome or r.rule != "friction"]  # fmt: skip
+        matrix = build(small, test_results=made, runs=[])
+        assert status(matrix, "RR-2", "S-3-B") == expected
+        assert status(matrix, "S-1-A-5", "S-3-B") == expected
+        assert status(matrix, "S-1-A-2", "S-3-B") == "covered"
+
+
 def test_of_two_results_the_worse_counts() -> None:
     small = Small()
     results = small.parts()[2]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
 
@@ -249,13 +249,31 @@ def _cells(ground: Ground, excuses: gates.Waivers) -> dict[str, dict[str, Cell]]
         name: [k.target[1] for k in ground.out_of(("requirement", name), "refines")] for name in demanded
     }
     asked = {str(s.id): {n for n in parents if matches(n, s.applies_to)} for s in project.stages}
+    children = {name: ground.children(name) for name in parents}
     cells: dict[str, dict[str, Cell]] = {name: {} for name in parents}
     for name in cycles.children_first(parents):
-        requirement, children = project.by_id[name], ground.children(name)
+        requirement = project.by_id[name]
         for stage in project.stages:
             if name in asked[stage.id]:
-                below = {child: cells[child][stage.id] for child in children if stage.id in cells[child]}
-                made = cell(ground, requirement, stage, below)
+                made = cell(ground, requirement, stage, _below(name, str(stage.id), children, cells))
                 if made is not None:
                     cells[name][str(stage.id)] = excuses.cell(made, requirement, stage)
     return cells
+
+
+def _below(
+    name: str, stage: str, children: Mapping[str, Sequence[str]], cells: Mapping[str, Mapping[str, Cell]]
+) -> dict[str, Cell]:
+    """The nearest cells of a stage below a requirement: what it asks nothing of hides nothing that is further down."""
+    found: dict[str, Cell] = {}
+    seen, todo = {name}, [*reversed(children[name])]
+    while todo:
+        child = todo.pop()
+        if child in seen:
+            continue
+        seen.add(child)
+        if stage in cells[child]:
+            found[child] = cells[child][stage]
+        else:
+            todo += reversed(children[child])
+    return found

@@ -56,9 +56,9 @@ class Subjects:
         row = self._rows.get(requirement.id)
         if row is None:
             return
-        below = self._below(requirement.id)
+        above = self._above(requirement.id)
         for name, cell in row.cells.items():
-            own = [item for item in cell.items if not (item.kind == "requirement" and item.name in below)]
+            own = [item for item in cell.items if item.kind != "requirement" or item.name in above]
             if not own and cell.items:
                 continue
             stage = self._stages[name]
@@ -106,9 +106,10 @@ class Subjects:
             if item.kind == "waiver":
                 yield self._graph.nodes["waiver", item.name]
 
-    def _below(self, requirement: str) -> set[str]:
-        links = self._graph.into(("requirement", requirement))
-        return {link.source[1] for link in links if link.kind == "refines" and link.state == "covers"}
+    def _above(self, requirement: str) -> set[str]:
+        """What a requirement refines: all others in its cells come from below."""
+        links = self._graph.out_of(("requirement", requirement))
+        return {link.target[1] for link in links if link.kind == "refines"}
 
     def _standing(self, row: Row, stage: Stage, cell: Cell, item: Item) -> str:
         """How far an item that is there supports what its cell is to show."""
