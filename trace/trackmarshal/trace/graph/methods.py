@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 from collections.abc import Container, Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -85,8 +86,8 @@ def _tests_of(path: str, around: Outside) -> bool:
 
 
 def _of(report: str, paths: Sequence[str | Placed]) -> bool:
-    """Whether a report is one of these, or in one of these folders."""
-    return any(report == path or report.startswith(f"{path}/") for path in paths)
+    """Whether a report is one of these, or in one of these folders, whose files are named in one way however the folder is written."""
+    return any(report == path or report.startswith(f"{posixpath.normpath(path)}/") for path in paths)
 
 
 __all__ = ["check", "unknown"]
