@@ -253,3 +253,10 @@ def test_what_is_demanded_covers_no_cell(path: str, status: str, detail: str, tm
     assert ("T256" in {f.code for f in made.matrix().findings}) is (status == "missing")
     row = next(row for row in made.matrix().rows if row.requirement.id == "S-1-B-1")
     assert {item.status for item in row.cells["S-2-A"].items if item.name == path} == {status}
+
+
+def test_the_baseline_is_no_evidence_however_its_path_is_written(tmp_path: Path) -> None:
+    made = small(tmp_path, counts="document")
+    made.replace("requirements/v-model.yaml", "baseline: requirements", "baseline: ./requirements")
+    made.replace("requirements/v-model.yaml", "evidence:\n", "evidence:\n  - {path: requirements/baseline.json, title: all of it, stage: S-2-A, requirements: [S-1-B-1]}\n")  # fmt: skip
+    assert "T256" in {f.code for f in made.matrix().findings}

@@ -186,10 +186,11 @@ def _demands(root: Path, path: str, project: Project) -> bool:
         whole = (root / path).resolve().relative_to(root.resolve())
     except (OSError, ValueError, RuntimeError):
         return False  # out of the project, which is said there
+    baseline = PurePosixPath(project.baseline) if project.baseline else None
     return any(
         one.suffix.lower() == ".spec"
         or (one.parts[:1] == (FOLDER,) and one.suffix.lower() in (".yaml", ".yml"))
-        or one.as_posix() == project.baseline
+        or one == baseline
         for one in (PurePosixPath(path), whole)
     )
 
