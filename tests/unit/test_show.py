@@ -147,6 +147,24 @@ def test_a_configuration_is_in_force_and_said(capsys: pytest.CaptureFixture[str]
     assert "the spec has 11 m" in radius["from"]
 
 
+def test_what_a_configuration_leaves_alone_is_not_overridden(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "brakes.spec").write_text(
+        "module brakes\n\nsignal ego : state { v: m/s, t: s }\nparam hard : m/s^2 = 2 m/s^2\nparam late : s = 1 s\n\n"
+        'rule stops "Stops"\n  require ego.v <= hard * (ego.t - late)\n'
+    )
+    (tmp_path / "tugger.spec").write_text("module tugger\n\nparam hard : m/s^2 = 1 m/s^2\n")
+    given = ["--as", "formula", "--json", "--with", str(tmp_path / "tugger.spec")]
+    made = json.loads(shown(capsys, "stops", *given, "--spec", str(tmp_path / "brakes.spec")))
+    assert {one["name"].rpartition(".")[2]: one["overridden"] for one in made["formula"]["parameters"]} == {
+        "hard": True,
+        "late": False,
+    }
+    late = made["formula"]["parameters"][1]
+    assert "overridden" not in late["from"]
+
+
 def test_errors_say_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
     made = refused(capsys, "frction")
     assert "E401" in made

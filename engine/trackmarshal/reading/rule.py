@@ -189,7 +189,8 @@ def _settings(reached: list[typed.Typed], spec: Spec, declared: Spec, names: Nam
             info, own = spec.params[name], declared.params[name]
             shown = names.of("parameter", name, info.short)
             unit = node.written or info.unit
-            yield Setting(shown, unit, info, own, info.span != own.span)
+            # Places are compared as text: the spec was read twice, each time into objects of its own.
+            yield Setting(shown, unit, info, own, str(info.span) != str(own.span))
 
 
 def _tables(reached: list[typed.Typed], spec: Spec, names: Names) -> Iterator[tuple[Layout, TableInfo]]:
