@@ -6,6 +6,7 @@ import errno
 import gzip
 import json
 import math
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -359,6 +360,19 @@ def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(TrackmarshalError) as caught:
         scenarios.load(tmp_path / "x.jsonl")
     assert caught.value.code == "D124"
+
+
+def test_millions_of_lines_that_are_wrong_are_counted() -> None:
+    """An error of each was kept: a file of 10 MB, or of 100 kB packed, took 2 GB."""
+    text = next(recording_io.encode(sample())) + "\n" + "{}\n" * 5_000
+    tracemalloc.start()
+    with pytest.raises(TrackmarshalError) as caught:
+        recording_io.decode(text.encode(), "sample.tmrec.jsonl")
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert caught.value.line == 2
+    assert caught.value.message.endswith("(and 4999 more, lines 3, 4, 5, 6, 7, 8, 9, 10, ...)")
+    assert most < 300 * 5_000
 
 
 def test_what_a_recording_uses_is_named_from_where_it_is_written(tmp_path: Path) -> None:

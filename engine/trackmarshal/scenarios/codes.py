@@ -202,21 +202,29 @@ class Faults:
     LISTED = 8
 
     def __init__(self) -> None:
-        self.errors: list[TrackmarshalError] = []
+        #: The others are counted: a file of a few megabytes may have as many million.
+        self._first: TrackmarshalError | None = None
+        self._others = 0
+        self._lines: list[int] = []
 
     def add(self, error: TrackmarshalError) -> None:
-        self.errors.append(error)
+        if self._first is None:
+            self._first = error
+            return
+        self._others += 1
+        if error.line is not None and len(self._lines) <= self.LISTED:
+            self._lines.append(error.line)
 
     def check(self) -> None:
         """Raise the first fault, with the lines of the others in its message; nothing where there is none."""
-        if not self.errors:
+        first = self._first
+        if first is None:
             return
-        first, *others = self.errors
-        if not others:
+        if not self._others:
             raise first
-        lines = [str(error.line) for error in others if error.line is not None]
-        listed = ", ".join(lines[: self.LISTED]) + (", ..." if len(lines) > self.LISTED else "")
-        more = f" (and {len(others)} more" + (f", lines {listed})" if lines else ")")
+        listed = ", ".join(map(str, self._lines[: self.LISTED]))
+        listed += ", ..." if len(self._lines) > self.LISTED else ""
+        more = f" (and {self._others} more" + (f", lines {listed})" if self._lines else ")")
         raise TrackmarshalError(
             first.code, first.message + more, file=first.file, line=first.line, help=first.help
         )
