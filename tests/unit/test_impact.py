@@ -116,6 +116,39 @@ def test_a_scenario_that_is_gone_is_a_change(car: Path) -> None:
     assert "its contents changed (there is none any more)" in one["what"]
 
 
+def test_what_is_gone_reaches_the_requirements_that_it_was_there_for(robot: Path) -> None:
+    """With the rule, nothing evaluates `SW-2` any more, and `SYS-2` above it; a test that is gone showed something of both, too."""
+    spec = robot / "specs" / "robot.spec"
+    rules, _, tests = spec.read_text("utf-8").partition("test gentle")
+    spec.write_text(
+        rules + "test gentle" + tests.replace('test gentle "gentle"', "--", 1).partition("--")[0] + "",
+        "utf-8",
+    )
+    found = impact(robot)
+    assert {one["how"] for one in found["changed"]} == {"gone"}
+    assert found["requirements"] == ["SW-2", "SYS-2"]
+    rule = re.sub(r"rule gentle .*\n(?:  .*\n)+", "", rules)
+    spec.write_text(rule, "utf-8")
+    found = impact(robot)
+    assert [(one["how"], one["id"]) for one in found["changed"]] == [("gone", "gentle")]
+    assert found["requirements"] == ["SW-2", "SYS-2"]
+
+
+def test_what_a_scenario_showed_is_in_doubt(car: Path) -> None:
+    """Where it is another one, and where it is gone, whether it was run here or not."""
+    with (car / "specs/scenarios/too_fast.yaml").open("a", encoding="utf-8") as file:
+        file.write("\n")
+    assert impact(car)["requirements"] == ["R-1"]
+    git(car, "checkout", "-q", ".")
+    text = (car / "requirements/v-model.yaml").read_text("utf-8")
+    entry = re.search(r"  scenarios:\n(?:    .*\n)+", text)
+    assert entry is not None
+    edit(car, "requirements/v-model.yaml", entry[0], "")
+    found = impact(car)
+    assert ("scenario specs/scenarios/too_fast.yaml", "gone") in [(f"{one['kind']} {one['id']}", one["how"]) for one in found["changed"]]  # fmt: skip
+    assert found["requirements"] == ["R-1"]
+
+
 def test_a_spec_that_no_commit_has_is_a_change_that_is_not_in_it(robot: Path) -> None:
     """Results are made from it, and cannot be made again from the commit alone."""
     assert not commit(robot).endswith("+")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 from trackmarshal.trace.baseline import Baseline
@@ -42,13 +42,17 @@ def compared(before: Version, now: Version, baseline: Baseline | None = None) ->
     """What became of a project between two versions; `baseline` is the one that holds now."""
     found = [*_engine(before, now), *changed(before, now)]
     hit = {one.key for one in found if one.how != "gone"}
+    # What is gone is in the graph of then alone; a scenario took its run with it.
+    gone = {one.key for one in found if one.how == "gone"}
+    gone |= {("run", id_) for kind, id_ in gone if kind == "scenario"}
     todo = list(tasks(before, now, hit, baseline))
+    doubted = hit.union(task.key for task in todo if task.key[0] in _SHOWING)
     places = order(_below(now, todo))
     todo.sort(key=lambda task: places[task.key])
     return Impact(
         tuple(found),
         tuple(todo),
-        _reached(now, hit.union(task.key for task in todo if task.key[0] in _SHOWING)),
+        tuple(sorted(_reached(now, doubted) | (_reached(before, gone) & _demanded(now)))),
         tuple(map(str, before.wrong)),
         (before.spec.engine, now.spec.engine),
     )
@@ -92,24 +96,20 @@ def _below(now: Version, todo: Iterable[Task]) -> dict[Key, set[Key]]:
     return below
 
 
-def _reached(now: Version, keys: Iterable[Key]) -> tuple[str, ...]:
-    """The demanded requirements at or above any of these."""
-    graph = now.graph
-    there = [key for key in keys if key in graph.nodes]
-    reached = graph.reaching(there, down=True)
-    runs = {key[1] for key in there if key[0] == "run"}
-    named = {
+def _reached(version: Version, keys: Collection[Key]) -> set[str]:
+    """The demanded requirements at or above any of these, of runs by the rules that they are made with, whether they were made yet or not."""
+    graph = version.graph
+    asked = {
         name.removeprefix("rule ")
-        for path in runs
-        for name in now.spec.run_inputs.get(path, ())
+        for kind, path in keys
+        if kind == "run"
+        for name in version.spec.run_inputs.get(path, ())
         if name.startswith("rule ")
     }
-    for name in named & now.spec.by_name.keys():
-        reached |= {("requirement", ref.id) for ref in now.spec.by_name[name].satisfies}
-    return tuple(
-        sorted(
-            id_
-            for kind, id_ in reached
-            if kind == "requirement" and (kind, id_) in graph.nodes and graph.nodes[kind, id_].demanded
-        )
-    )
+    found = {*keys, *((kind, name) for name in asked for kind in ("rule", "assumption"))}
+    reached = graph.reaching([key for key in found if key in graph.nodes], down=True)
+    return {id_ for kind, id_ in reached if kind == "requirement"} & _demanded(version)
+
+
+def _demanded(version: Version) -> set[str]:
+    return {id_ for id_, requirement in version.project.by_id.items() if requirement.demanded}
