@@ -119,6 +119,21 @@ def test_defeaters_answered_upheld_and_open(tmp_path: Path) -> None:
     assert statuses == {"open": (RESERVED, RESERVED), "answered": (SUPPORTED, RESERVED), "upheld": (UNSUPPORTED, UNSUPPORTED)}  # fmt: skip
 
 
+def test_what_is_said_against_something_beside_a_claim_is_said_against_the_claim(tmp_path: Path) -> None:
+    """A gap is bearable because of its waiver: where that justification is defeated, nothing bears it."""
+    cell, found = "G-S-1-B-1.S-3-B", {}
+    for state, more in (("open", ""), ("answered", ", answer: It does not."), ("upheld", "")):
+        entry = (
+            f"{{id: D-1, challenges: W-1, text: It drives already., owner: Ada Reader, state: {state}{more}}}"
+        )
+        edits = f"edit requirements/argument.yaml\n- top: top\n+ defeaters:\n+   - {entry}\n+ top: top\n"
+        _, case = argument(argued(tmp_path / state, edits))
+        assert case.targets("CG-D-1", "challenges") == ["J-W-1"]
+        codes = {finding.code for finding in case.findings if "J-W-1" in finding.message}
+        found[state] = case.elements[cell].status, codes
+    assert found == {"open": (RESERVED, {"T413"}), "answered": (RESERVED, set()), "upheld": (UNSUPPORTED, {"T414"})}  # fmt: skip
+
+
 def test_the_baseline_knows_defeaters_and_templates(tmp_path: Path) -> None:
     entry = "{id: D-1, challenges: S-1-A-2, text: Maps are old., owner: Ada Reader, state: open}"
     small = argued(

@@ -191,8 +191,9 @@ def _defeaters(case: Case) -> Iterator[Finding]:
                 yield _at("T413", message, e, "mend what it names, answer it, or uphold it")
         if e.kind not in COUNTER and defeated(case, e.id):
             for link in case.into.get(e.id, ()):
-                if link.kind == "supported_by":
-                    message = f"{_called(e)} is defeated, and supports `{link.source}`"
+                if link.kind != "challenges":
+                    what = "supports" if link.kind == "supported_by" else "stands beside"
+                    message = f"{_called(e)} is defeated, and {what} `{link.source}`"
                     yield _at("T414", message, e, "argue it anew, or take it out")
 
 

@@ -17,7 +17,7 @@ CODES = {
     "T411": ("an away goal that cites nothing", "An away goal cites a public goal of another module: the module, the goal in it, and that others may rely on it, all have to be so."),
     "T412": ("a defeater of nothing", "A defeater challenges an element of the argument. What it names is none, or is a defeater itself."),
     "T413": ("an open defeater", "Somebody, or a result, says that an element of the argument does not hold, and nobody has answered. An argument is not released with that."),
-    "T414": ("support by what is defeated", "A defeater was upheld: the element does not hold, and so supports nothing. It is argued anew, or taken out of the argument."),
+    "T414": ("support by what is defeated", "A defeater was upheld: the element does not hold, and so supports nothing, nor do claims hold that it stands beside. It is argued anew, or taken out of the argument."),
     "T415": ("an element that is not filled in", "The text of the element still has a name in braces: what its template says of its subject was not there to be said."),
     "T416": ("an id given twice", "Two different elements of the argument have one id, over all modules."),
     "T417": ("a link given twice, or to itself", "The same link stands twice, or leads from an element to itself. It adds nothing."),

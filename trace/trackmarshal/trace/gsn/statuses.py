@@ -32,9 +32,11 @@ def _status(case: Case, element: Element, found: Mapping[str, str]) -> str:
     if element.kind in BESIDE or element.kind in COUNTER:
         return ""
     own = _own(case, element, found)
-    if defeated(case, element.id):
+    # A claim holds in its context, under its assumptions: what is said against one of these is said against the claim.
+    held = [element.id, *case.targets(element.id, "in_context_of")]
+    if any(defeated(case, id_) for id_ in held):
         return UNSUPPORTED
-    return worst([own, RESERVED]) if _challenged(case, element.id, OPEN) else own
+    return worst([own, RESERVED]) if any(_challenged(case, id_, OPEN) for id_ in held) else own
 
 
 def _own(case: Case, element: Element, found: Mapping[str, str]) -> str:
