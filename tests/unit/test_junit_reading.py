@@ -337,7 +337,7 @@ def test_what_else_stands_among_properties_is_passed_over(tmp_path: Path) -> Non
 def test_suites_that_name_more_than_there_is_room_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A suite that names many requirements, of many tests: of 2 MB it came to 20 GB, of each test all of them."""
+    """A suite that names many requirements, of many tests: of 200 kB it took 200 MB, since each test has all of them."""
     monkeypatch.setattr(reading, "MAX_NAMED", 500)
     path = tmp_path / "report.xml"
     for tests in (10, 20):
