@@ -104,6 +104,14 @@ def test_a_run_that_ends_badly_is_counted_and_drawn_as_failed(warehouse: Path) -
     assert "<hangs>" not in page.html
 
 
+def test_of_several_runs_in_one_situation_the_worst_is_drawn(warehouse: Path) -> None:
+    """As of a fault that is put in twice at one place: what came of the last one hid what came of the first."""
+    bad = {**RUN, "speed": 2.5, "outcome": "contact"}
+    svg = picture(html(loop(warehouse, [RUN, bad, {**RUN, "outcome": "drives_on"}])), "What became of the car")  # fmt: skip
+    assert "P-1, hall, alone, 2.5 m/s: contact" in svg
+    assert "drives on" not in re.sub(r"<text.*?</text>", "", svg)
+
+
 @pytest.mark.parametrize(
     ("runs", "more", "said"),
     [

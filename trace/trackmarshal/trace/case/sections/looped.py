@@ -45,8 +45,10 @@ def _chart(writing: Writing, loop: Loop, by_fault: dict[str, list[LoopRun]]) -> 
         [place for _, _, place in situations],
     ]
     cells: dict[tuple[int, int], Cell] = {}
+    ranks = list(OUTCOMES)
     for row, (fault, runs) in enumerate(by_fault.items()):
-        for run in runs:
+        # Of several in one situation, the worst one is seen: it is drawn last.
+        for run in sorted(runs, key=lambda run: ranks.index(run.outcome)):
             column = situations.index((run.track, run.traffic, run.place))
             mark, came = writing.words[f"loop.mark.{run.outcome}"], writing.words[f"loop.{run.outcome}"]
             said = f"{fault}, {run.track}, {traffic[run.traffic]}, {run.speed:.1f} m/s: {came}"
