@@ -176,7 +176,7 @@ class _Folding:
             for finding in self._found:
                 if finding not in self._cause:
                     cause = self._of(finding)
-                    if cause is not None:
+                    if cause is not None and self._root(cause) is not finding:  # nothing follows from itself
                         self._cause[finding] = cause
                         again = True
                         for name in self._about[finding]:
