@@ -222,6 +222,14 @@ def _v_model(project: Project) -> Iterator[Finding]:
             yield warning(
                 "T149", f"`{pattern}` fits no requirement", pattern.place, did_you_mean(pattern, ids), pattern
             )
+    for demand in project.gate:
+        asked = stages[demand.stage].applies_to if demand.stage in stages else ("*",)
+        for pattern in demand.requirements:
+            fitting = [id_ for id_ in ids if matches(id_, (pattern,))]
+            if fitting and not any(matches(id_, asked) for id_ in fitting):
+                message = f"the gate demands `{pattern}` at {demand.stage}, which asks nothing of it"
+                help_ = f"add it to `applies_to` of {demand.stage}, or strike the demand"
+                yield warning("T149", message, pattern.place, help_, pattern)
     for scenario in project.scenarios:
         if scenario.expect == "fire" and not scenario.by:
             yield error(
