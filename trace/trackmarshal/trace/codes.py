@@ -64,7 +64,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T161": ("a decomposition that does not add up", "With QM 0, A 1, B 2, C 3 and D 4, the parts of a decomposed requirement make at least the level of the whole (ISO 26262-9), and there are at least two of them."),
     "T162": ("independence is not argued", "A decomposition counts only where the parts cannot fail together. The requirement that is decomposed names the analysis of dependent failures that argues so. Nor do parts count that stand and fall with one design element, unless it is developed to the level of the whole (ISO 26262-9)."),
     "T163": ("decomposition written wrongly", "A decomposed level keeps the level before the decomposition in brackets: parts of a D are `B(D)`, and so are parts of a `C(D)`."),
-    "T164": ("an element below its requirement", "A design element is developed to at least the ASIL of each requirement that is allocated to it."),
+    "T164": ("an element below its requirement", "A design element is developed to at least the ASIL of each requirement that is allocated to it. Of one that says none, that is not known."),
     "T165": ("made in the future", "An analysis or a review cannot have been finished on a day that has not come, nor a review before what it is about was made."),
     "T166": ("reviewed by its owner", "A review is a second person's reading; who answers for a thing, or made it, cannot review it."),
     "T167": ("reviewed in another version", "What was reviewed reads differently now: the fingerprint in the review is not that of the present text. It is suspect until it has been read again."),

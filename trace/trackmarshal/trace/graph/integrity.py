@@ -38,6 +38,20 @@ def check(graph: Graph) -> Iterator[Finding]:
         if node.demanded and "(" in node.attributes["asil"]:
             decomposed.append(node)
     yield from _decomposed(graph, decomposed)
+    yield from _unrated(graph)
+
+
+def _unrated(graph: Graph) -> Iterator[Finding]:
+    """T164 for elements that have no level: whether they meet what is allocated to them, or are what two parts stand and fall with (T162), nobody knows."""
+    for element in graph.by_kind.get("design element", ()):
+        allocated = [
+            graph.nodes[link.source] for link in graph.into(element.key) if link.kind == "allocated_to"
+        ]
+        wanted = [node for node in allocated if node.demanded and asil(node, 0) > 0]
+        if wanted and asil(element) is None:
+            most = max(wanted, key=lambda node: asil(node, 0))
+            message = f"{called(element.key)} does not say to which ASIL it is developed, and `{most.id}`, allocated to it, has {most.attributes['asil']}"
+            yield Finding("T164", "warning", message, element.place, "add `asil`", element.id, about=tuple(node.id for node in wanted))  # fmt: skip
 
 
 def _above(graph: Graph, node: Node, kind: str) -> list[Node]:
