@@ -164,6 +164,16 @@ def test_numbers(warehouse: Path) -> None:
         assert "without a link" in out
 
 
+def test_a_requirement_of_which_nothing_is_asked_is_not_counted_as_done(
+    warehouse: Path, tmp_path: Path
+) -> None:
+    """`SYS-1`, with ASIL B, has no cell then, so that none of its cells is open."""
+    old = 'shows: that its tests pass, applies_to: ["*"]'
+    project = edited(warehouse, tmp_path, "requirements/v-model.yaml", old, old.replace('"*"', "SW-*"))
+    _, out, _ = command(project, "trace", "--as-is", "--statistics", "--format", "json")
+    assert json.loads(out)["requirements by ASIL"]["B"] == {"all": 2, "with no open cell": 1}
+
+
 def test_numbers_beside_paths_are_one_text_of_json(warehouse: Path) -> None:
     asked = ("--from", "SYS-1", "--to", "test", "--statistics")
     found = json.loads(command(warehouse, "trace", *asked, "--format", "json")[1])

@@ -55,10 +55,11 @@ def numbers(matrix: Matrix) -> list[Number]:
 
 
 def _by_asil(matrix: Matrix) -> list[Number]:
-    """Requirements that are demanded, by ASIL, and those of which no cell is open."""
+    """Requirements that are demanded, by ASIL, and those of which no cell is open; one of which no stage asks anything is none of these."""
     levels: dict[str, list[bool]] = {}
     for row in matrix.rows:
-        closed = all(cell.status in ("covered", "waived") for cell in row.cells.values())
+        statuses = {cell.status for cell in row.cells.values()}
+        closed = bool(statuses) and statuses <= {"covered", "waived"}
         levels.setdefault(str(row.requirement.asil), []).append(closed)
     found: list[Number] = []
     for level in sorted(levels):
