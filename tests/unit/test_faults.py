@@ -217,6 +217,16 @@ def test_wrong_declarations_are_refused(tmp_path: Path, old: str, new: str, part
     assert caught.value.line is not None
 
 
+def test_a_campaign_leads_to_the_page_that_is_about_faults(tmp_path: Path) -> None:
+    (tmp_path / "f.yaml").write_text((HEAD + FAULT).replace("lead:", "led:", 1), encoding="utf-8")
+    (tmp_path / "g.yaml").write_text(HEAD + FAULT.replace("{column: driving.v, set: 85}", "{cycle: t}", 1))
+    for name in ("f.yaml", "g.yaml"):
+        with pytest.raises(TrackmarshalError) as caught:
+            load(tmp_path / name, name)
+        assert "docs/scenarios.md" not in caught.value.help
+    assert caught.value.help == "see docs/faults.md"
+
+
 def test_an_id_stands_once(tmp_path: Path) -> None:
     (tmp_path / "f.yaml").write_text(HEAD + FAULT + FAULT, encoding="utf-8")
     with pytest.raises(TrackmarshalError, match="stands twice"):

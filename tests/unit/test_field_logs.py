@@ -197,6 +197,18 @@ def test_a_bad_mapping_is_refused(tmp_path: Path, old: str, new: str, code: str,
     assert number is None or error.line == number
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("horizon: 2, ", ""),
+        ("x: 1, y: 2}", "x: {column: x}, y: 2}"),
+        ("plan: {horizon: 2, step: 0.1}", "plan: 2"),
+    ],
+)
+def test_a_mapping_leads_to_the_page_that_is_about_mappings(tmp_path: Path, old: str, new: str) -> None:
+    assert refused(tmp_path, declared=field_logs.MAP.replace(old, new, 1)).help == "see docs/field.md"
+
+
 def test_a_hash_holds_the_mapping_to_its_log(tmp_path: Path) -> None:
     digest = "0" * 64
     declared = field_logs.MAP + f"log: {{path: log.csv, sha256: {digest}}}\n"

@@ -18,6 +18,8 @@ MAX_DEPTH = 20
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?")
 #: A comment behind a value.
 _COMMENT = re.compile(r"[ \t]+#[^\r\n]*")
+#: What says what stands in which document, where that is not the page of scenarios, tracks and vehicles.
+_PAGES = {"trackmarshal-log-map": "docs/field.md", "trackmarshal-faults": "docs/faults.md"}
 _PLAIN = "write the values out, as plain YAML"
 
 
@@ -48,7 +50,7 @@ def read(data: bytes, shown: str) -> Item:
         raise TrackmarshalError("D150", message, file=shown, help="is this YAML?") from error
     if node is None:
         raise TrackmarshalError("D126", "the document is empty", file=shown, line=1, help="was it cut off?")
-    return Item(node, "", shown)
+    return Item(node, "", shown, _page(node))
 
 
 def _composed(text: str, shown: str, loader: Any) -> Any:
@@ -81,13 +83,22 @@ def _composed(text: str, shown: str, loader: Any) -> Any:
     return root
 
 
+def _page(root: Any) -> str:
+    """The page of the documentation that says what such a document holds, by its `format`."""
+    entries = root.value if root.id == "mapping" else ()
+    said = next((node.value for key, node in entries if key.value == "format"), "")
+    return _PAGES.get(str(said), "docs/scenarios.md")
+
+
 class Item:
     """A value of the document with its path in it and its line; the methods say what it has to be, or raise D151."""
 
-    def __init__(self, node: Any, path: str, shown: str) -> None:
+    def __init__(self, node: Any, path: str, shown: str, page: str) -> None:
         self._node = node
         self.path = path
         self.shown = shown
+        #: Of the documentation, what says which keys and values there are.
+        self._page = page
 
     @property
     def line(self) -> int:
@@ -116,33 +127,35 @@ class Item:
                 raise item.wrong("this key is not known", help_)
         for key in needed:
             if key not in found:
-                raise self.wrong(f"`{key}` is missing", "see docs/scenarios.md")
+                raise self.wrong(f"`{key}` is missing", f"see {self._page}")
         return found
 
     def any_fields(self) -> dict[str, Item]:
         """The items of a map with any keys, each once."""
         if self._node.id != "mapping":
-            raise self.wrong(f"{self._kind()} stands where a map is expected", "see docs/scenarios.md")
+            raise self.wrong(f"{self._kind()} stands where a map is expected", f"see {self._page}")
         found: dict[str, Item] = {}
         for key_node, node in self._node.value:
-            key = Item(key_node, self.path, self.shown).text()
+            key = Item(key_node, self.path, self.shown, self._page).text()
             path = f"{self.path}.{key}" if self.path else key
             if key in found:
-                raise Item(key_node, path, self.shown).wrong("this key stands twice", "keep one of them")
-            found[key] = Item(node, path, self.shown)
+                raise Item(key_node, path, self.shown, self._page).wrong(
+                    "this key stands twice", "keep one of them"
+                )
+            found[key] = Item(node, path, self.shown, self._page)
         return found
 
     def items(self) -> Iterator[Item]:
         """The items of a list."""
         if self._node.id != "sequence":
-            raise self.wrong(f"{self._kind()} stands where a list is expected", "see docs/scenarios.md")
+            raise self.wrong(f"{self._kind()} stands where a list is expected", f"see {self._page}")
         for i, node in enumerate(self._node.value):
-            yield Item(node, f"{self.path}[{i}]", self.shown)
+            yield Item(node, f"{self.path}[{i}]", self.shown, self._page)
 
     def text(self) -> str:
         """A text that is not empty."""
         if self._node.id != "scalar" or not self._node.value:
-            raise self.wrong(f"{self._kind()} stands where a text is expected", "see docs/scenarios.md")
+            raise self.wrong(f"{self._kind()} stands where a text is expected", f"see {self._page}")
         return str(self._node.value)
 
     def said(self) -> str:
