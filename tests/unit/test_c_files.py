@@ -587,6 +587,25 @@ def test_a_host_with_other_structs_has_no_context(doored: bool, rule: str, tmp_p
     assert begun == {"": 0, "-fpack-struct": 4, "-fpack-struct=4": 4, "-fshort-enums": 4}
 
 
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_a_host_with_other_inputs_has_no_context(tmp_path: Path) -> None:
+    """A 32-bit PC aligns doubles to 4 bytes: there, only inputs have holes that a host may be without."""
+    text = 'module m\nevent rain ""\nsignal ego : state { v: m/s }\nrule dry "" whenever rain require ego.v <= 9 m/s\n'
+    spec = loads(text)
+    made = generate(spec, list(spec.rules))
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    (tmp_path / "main.c").write_text(BEGINS)
+    begun = []
+    for unit, packed in (("supervisor", 4), ("main", 4), ("main", 1)):
+        command = ["gcc", "-std=c99", f"-fpack-struct={packed}", "-c", f"{unit}.c"]
+        subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        if unit == "main":
+            subprocess.run(["gcc", "supervisor.o", "main.o", "-o", "begins", "-lm"], cwd=tmp_path, check=True)
+            begun.append(subprocess.run([tmp_path / "begins"], check=False).returncode)
+    assert begun == [0, 4]
+
+
 SETS = """
 #include "supervisor.h"
 static tm_context context;
