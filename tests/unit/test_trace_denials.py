@@ -27,7 +27,8 @@ EMPTY = (
     "A figure will be provided later.", "Awaiting the report.", "Pending approval.", "This page is a placeholder.", "(This page intentionally left blank.)",
     "Lorem ipsum dolor sit amet.", "This section is under construction.", "It is still work in progress.", "Coming soon!", "FIXME: numbers", "| latency | TBC |",
     "It is _not yet_ __measured__.", "~~Soon:~~ _to be announced_", "<p>It is <b>not yet</b> measured.</p>", "<TBD>", "`tbd`", "Not yet mea\u00adsured.", "T\u200bBD",
-    "TODO: numbers", "- todo", "TODO write this", "Todo.\n\nNext week", "It still has to be measured.", "Records: there are none.", "There is no evidence to support this.", "Without any evidence to show it, this was taken over.", "<!-- TODO: measure -->", "<!-- see report 7 --> Not yet measured.", "Deviations: see below. There are none.",
+    "TODO: numbers", "- todo", "TODO write this", "Todo.\n\nNext week", "It still has to be measured.", "Records: there are none.", "There is no evidence to support this.", "Without any evidence to show it, this was taken over.", "<!-- TODO: measure -->", "<!-- see report 7 --> Not yet measured.", "40 h.\n\n<!-->\n\nNot yet measured.\n\n<!-- a -->", "40 h were driven.\n\n<!-- open\n\nNot yet measured.",
+    "Comments begin with `<!--`, and `-->` ends them.\n\nNot yet measured.\n\n<!-- a -->", "40 h `<!--` not yet measured `-->`", "40 h \\<!-- not yet measured -->", "There is no evidence to date.", "There is no evidence to be found.", "No evidence to justify it.", "Deviations: see below. There are none.",
 )  # fmt: skip
 #: What real pages say: of what was found, of sensors, of roads.
 FULL = (
@@ -42,7 +43,7 @@ FULL = (
     "Not measured values are marked as such.", "The claim is tested by 40 drives.", "The assumption is not untested: see report 7.",
     "Deviations: there are none.", "## Deviations\n\nThere are none.", "Open points\n-----------\n\nThere are none.", "**Known defects:** there is none", "## Failures\r\n\r\nThere are none.",
     "Todo el recorrido fue medido.", "En todo momento frena.", "Todo o percurso foi medido.", "Frena, sobre todo, a tiempo.", "The todo list is empty.", "No TODO is left.", "All TBD were resolved.", "TBD items: 0",
-    "Every deviation has to be documented.", "The check is to be done before each drive.", "If evidence is missing, the gate fails.", "No evidence indicating drift was found.", "There is no evidence to suggest drift.", "There was no evidence to the contrary.", "In 40 h none was missed. <!-- TODO: link the report -->", "40 h were driven.\n<!--\nTBD: layout\n-->",
+    "Every deviation has to be documented.", "The check is to be done before each drive.", "If evidence is missing, the gate fails.", "No evidence indicating drift was found.", "There is no evidence to suggest drift.", "There was no evidence to the contrary.", "No evidence to date suggests drift.", "There is no evidence to date of drift.", "In 40 h none was missed. <!-- TODO: link the report -->", "40 h were driven.\n<!--\nTBD: layout\n-->",
 )  # fmt: skip
 
 

@@ -23,7 +23,8 @@ PHRASES = Path(__file__).with_name("denials.txt")
 _MARKS = re.compile(r"[\s*>~`]|(?<![^\W_])_|_(?![^\W_])")
 #: Marks of HTML.
 _TAG = re.compile(r"</?[A-Za-z][^<>]*>")
-_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
+#: What shows the mark itself (`<!--` in code, or escaped) begins no comment; one that nothing ends is none, whatever browsers make of it.
+_COMMENT = re.compile(r"(?<![`\\])<!--(?:-?>|.*?(?:-->|\Z))", re.DOTALL)
 #: What no text has: of files with such characters nothing is read, as they hold words by chance.
 _BINARY = re.compile(r"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
 
@@ -234,8 +235,13 @@ def _decoded(data: bytes) -> str:
 
 def _uncommented(text: str) -> str:
     """A text with blanks in place of its comments, which nobody sees who reads the page; all of it where it says nothing else."""
-    seen = _COMMENT.sub(lambda comment: re.sub(r"[^\s]", " ", comment[0]), text)
+    seen = _COMMENT.sub(_hidden, text)
     return seen if any(_WORD.search(block) for _, depth, block in _blocks(seen) if not depth) else text
+
+
+def _hidden(comment: re.Match[str]) -> str:
+    """Blanks in place of a comment that has an end."""
+    return re.sub(r"[^\s]", " ", comment[0]) if comment[0].endswith(">") else comment[0]
 
 
 def _left_out(glad: re.Match[str]) -> str:
