@@ -689,7 +689,7 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
 
 
 def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[str]:
-    """The short names of everything that configuration modules set in a spec; raises as `load` does."""
+    """The names of everything that configuration modules set in a spec, in full and as in its module; raises as `load` does."""
     from trackmarshal.semantics.compile import compile_paths
 
     if not configuration:
@@ -697,12 +697,15 @@ def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[s
     compiled = compile_paths(paths)
     compiled.raise_errors()
     found = [_settings(path, None, compiled) for path in configuration]
-    return {
+    short = {
         short_name(info)
         for settings in found
         for kind in (settings.params, settings.tables, settings.places)
         for info in kind.values()
     }
+    own = compiled.spec
+    infos = (info for kind in (own.params, own.tables, own.places) for info in kind.values())
+    return short | {info.name for info in infos if short_name(info) in short}
 
 
 def configure(spec: Spec, settings: Spec) -> Spec:

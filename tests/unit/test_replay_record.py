@@ -16,6 +16,7 @@ from support.cycles import PERIOD, SPEED, cycle
 from support.schemas import hold
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
+from trackmarshal.cli.replay import overruled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
@@ -321,6 +322,30 @@ def test_cycles_of_a_record_that_are_kept_as_they_came_in(form: str, tmp_path: P
     assert recording.cycles[2].objects == records
     assert recording.cycles[2].candidates["driving"] == {name: list(column) for name, column in plan.items()}
     assert all(type(value) is float for value in recording.cycles[2].ego.values())
+
+
+@pytest.mark.parametrize("name", ["slow", "own.slow"])
+def test_a_table_of_a_record_counts_by_both_of_its_names(name: str, tmp_path: Path) -> None:
+    """By its whole name it was left out: the spec's own rows judged, and what was unsafe by those in force was safe."""
+    path, own, config = tmp_path / "run.arrows", tmp_path / "own.spec", tmp_path / "other.spec"
+    table = "table slow(x: m) -> m/s = linear clamp | 0 m: 50 m/s | 9 m: 60 m/s |\n"
+    own.write_text(
+        "module own\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        f"signal ego : state {{ x: m, y: m, heading: rad }}\n{table}"
+        "rule limited\n  for all p in plan\n  require p.v <= slow(p.x)\n",
+        "utf-8",
+    )
+    config.write_text(f"module other\n{table}", "utf-8")
+    spec = tm.load(own)
+    plan = {"t": [0.0, 2.0], "x": [0.0, 8.0], "y": [0.0, 0.0], "heading": [0.0, 0.0], "v": [8.0, 0.0]}
+    supervisor = tm.supervisor(spec, tables={name: [[0, 5], [9, 6]]}, clock=lambda: 0.0, record=path)
+    ego = {"x": 0.0, "y": 0.0, "heading": 0.0}
+    assert not supervisor.step(tm.Cycle(0, 0.0, plan, plan, {"ego": ego})).safe
+    supervisor.close()
+    recording = tm.load_recording(path)
+    outcome = tm.replay(recording, tm.Evaluator(spec))
+    assert ([each.safe for each in outcome.cycles], outcome.ignored) == ([False], ())
+    assert overruled(recording, own, [config]).tables == {}  # what a person says now counts more
 
 
 def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.verdict import VERDICTS
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
-from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import supervised
 
 

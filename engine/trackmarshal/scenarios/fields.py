@@ -10,6 +10,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.units import moment
 
@@ -128,7 +129,7 @@ def _declare(known: dict[str, set[str]], spec: Spec) -> None:
         signal = spec.signals.get(where)
         if signal is not None:
             names.update(field.name for field in signal.fields_)
-    known["tables"].update(name.rpartition(".")[2] for name in spec.tables)
+    known["tables"] |= spoken(spec.tables)
 
 
 def _signals(recording: Recording) -> Iterator[tuple[str, str]]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from trackmarshal.ir.spec import ParamInfo, Spec, short_name
+from trackmarshal.ir.spec import ParamInfo, Spec, TableInfo, short_name
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.units import in_full, to_si
 
@@ -35,12 +35,24 @@ def known_params(recording: Recording, spec: Spec) -> dict[str, float]:
     One with a reason is a property of how the recording was made, and means nothing to a spec that does not have it; one without is
     meant for this spec, which refuses what it does not know (D203).
     """
-    known = {name for info in spec.params.values() for name in (info.name, info.short)}
+    known = spoken(spec.params)
     return {
         name: value
         for name, value in recording.params.items()
         if name in known or name not in recording.because
     }
+
+
+def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The recording's tables that the spec declares; a recording brings all that its car had."""
+    names = spoken(spec.tables)
+    known = {name: rows for name, rows in recording.tables.items() if name in names}
+    return known, tuple(sorted(set(recording.tables) - set(known)))
+
+
+def spoken(infos: Mapping[str, ParamInfo] | Mapping[str, TableInfo]) -> set[str]:
+    """What a recording may call parameters or tables: as in their modules, or in full."""
+    return {name for info in infos.values() for name in (info.name, short_name(info))}
 
 
 def unknown_params(recording: Recording, spec: Spec) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY
 from trackmarshal.runtime.verdict import CaseResult, RuleResult, Said
 from trackmarshal.scenarios.labels import Label, judged_by, known, labels
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording, only
 from trackmarshal.scenarios.supervised import supervised
 
@@ -175,13 +176,6 @@ def replay(
     unexpected = tuple(_unexpected(recording, cycles, declared, evaluator, against))
     uncovered = tuple(_uncovered(recording, evaluator, declared))
     return Replay(recording, cycles, truths, ignored, unexpected, uncovered)
-
-
-def known_tables(recording: Recording, spec: Spec) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """The recording's tables that the spec declares; a recording brings all that its car had."""
-    short = {name.rpartition(".")[2] for name in spec.tables}
-    known = {name: rows for name, rows in recording.tables.items() if name in short}
-    return known, tuple(sorted(set(recording.tables) - set(known)))
 
 
 #: By the name of a truth about one rule, the candidates that the rule was against in each cycle.

@@ -14,8 +14,8 @@ from trackmarshal.reading.drawing.demand import BROKEN, HOLDS, Demand, Floats
 from trackmarshal.reading.drawing.points import Places, Points
 from trackmarshal.reading.drawing.quantities import Undrawable
 from trackmarshal.runtime.frame import Frame
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import Recording
-from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import frames
 
 #: Cells across and up of which each shows one sample that meets the demand: the one with the least margin.

@@ -22,9 +22,8 @@ from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.judging import Judging
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track
-from trackmarshal.scenarios.overrides import known_params
+from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import Recording
-from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles
 from trackmarshal.supervision import limits_with, rulebox
 

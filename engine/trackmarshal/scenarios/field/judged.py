@@ -14,9 +14,8 @@ from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
 from trackmarshal.scenarios.fields import further_names
-from trackmarshal.scenarios.overrides import known_params
+from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
-from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.scenarios.supervised import cycles, shown
 from trackmarshal.supervision import rulebox
 

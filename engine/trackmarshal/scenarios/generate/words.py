@@ -15,6 +15,7 @@ from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN
 from trackmarshal.runtime.cycle import DRIVING
 from trackmarshal.scenarios.fields import own_names
 from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import Recording, only
 from trackmarshal.semantics.compile import Compiled, compile_paths, compile_text
 from trackmarshal.semantics.modules import root_of
@@ -134,7 +135,7 @@ def _names(recording: Recording) -> frozenset[str]:
 
 def known_settings(recording: Recording, spec: Spec) -> Mapping[str, Any]:
     """Of the recording's parameters and tables, those that a spec declares."""
-    params, tables = ({name.rpartition(".")[2] for name in known} for known in (spec.params, spec.tables))
+    params, tables = spoken(spec.params), spoken(spec.tables)
     return {
         "params": {name: value for name, value in recording.params.items() if name in params},
         "tables": {name: rows for name, rows in recording.tables.items() if name in tables},
