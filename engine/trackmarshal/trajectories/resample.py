@@ -10,6 +10,8 @@ from trackmarshal.trajectories.along import wrap
 from trackmarshal.trajectories.columns import Lists
 from trackmarshal.units import double
 
+_MOST = 1_000_000
+
 
 def resampled(
     columns: Lists, count: int | None = None, spacing: float | None = None, step: float | None = None
@@ -33,12 +35,14 @@ def resampled(
     if count is not None:
         if type(count) is not int or count < 2:
             raise _refused(f"{count!r:.40} samples")
+        if count > _MOST:
+            raise _refused("a count of more than a million samples")
         marks = [measure[0] + length * i / (count - 1) for i in range(count)]
     else:
         pace = spacing if spacing is not None else step
         if not (isinstance(pace, int | float) and math.isfinite(double(pace)) and pace > 0.0):
             raise _refused(f"a distance of {pace!r:.40}")
-        if length / pace > 1e6:
+        if length / pace > _MOST:
             raise _refused(f"a distance of {pace!r:.40} makes more than a million samples")
         whole = math.ceil(length / pace - 1e-9)
         marks = [measure[0] + pace * i for i in range(whole)] + [measure[-1]]
