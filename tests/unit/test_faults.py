@@ -150,6 +150,7 @@ def test_changes_of_time_and_judge() -> None:
     assert changed("{cycle: lost}").lost
     assert changed("{cycle: silent}").silent
     assert changed("{cycle: number, add: -1}").cycle.number == 6
+    assert changed("{cycle: number, add: 4294967296}").cycle.number == 7 + 2**32  # a counter of 32 bits
     assert changed("{cycle: t, add: -0.5}").cycle.t == 2.5
     assert changed("{cycle: arrival, add: 0.5}").arrival == 3.5
     assert changed("{cycle: clock, add: -1}").clock == -1.0

@@ -15,6 +15,8 @@ from trackmarshal.scenarios.recording import CANDIDATES
 Change = Callable[[Moment], None]
 #: The most samples of a trajectory that are spoken of.
 _MOST = 100_000
+#: The most that is added to the number of a cycle: beyond the 64 bits that a Supervisor takes.
+_FAR = 2**64
 #: Numbers that plain YAML numbers cannot say.
 _WORDS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
@@ -286,7 +288,7 @@ def _cycle(item: Item) -> Change:
         item.fields(("cycle",))
         return lambda moment: setattr(moment, what, True)
     more = item.fields(("cycle", "add"))["add"]
-    amount = more.count(-1_000_000, 1_000_000) if what == "number" else more.number()
+    amount = more.count(-_FAR, _FAR) if what == "number" else more.number()
     return lambda moment: setattr(moment, what, getattr(moment, what) + amount)
 
 
