@@ -298,8 +298,8 @@ def test_cycles_of_a_record_that_are_kept_as_they_came_in(form: str, tmp_path: P
     path, now = tmp_path / "run.arrows", 0.0
     sides = {"left": [[-50.0, 6.0], [500.0, 6.0]], "right": [[-50.0, -6.0], [500.0, -6.0]]}
     track = {name: tm.line(points) for name, points in sides.items()} if form == "lines" else sides
-    objects = {"x": np.array([90.0, 99.0]), "y": (1.0, 2.0), "id": ["a", "b"]}
-    records = [{"x": 90.0, "y": np.float64(1.0), "id": "a"}, {"x": 99.0, "y": 2.0, "id": "b"}]
+    objects = {"x": np.array([90.0, 99.0]), "y": (1.0, 2.0), "id": ["a", 7]}
+    records = [{"x": 90.0, "y": np.float64(1.0), "id": "a"}, {"x": 99.0, "y": 2.0, "id": np.int64(7)}]
     plan: dict[str, Any] = {
         "t": np.array([0.0, 1.0]),
         "x": (0.0, 5.0),
@@ -319,7 +319,7 @@ def test_cycles_of_a_record_that_are_kept_as_they_came_in(form: str, tmp_path: P
     supervisor.close()
     recording = tm.load_recording(path)
     assert (len(recording.cycles), recording.notes, recording.track) == (3, (), sides)
-    assert recording.cycles[2].objects == records
+    assert recording.cycles[2].objects == [{**each, "id": id_} for each, id_ in zip(records, ("a", "7"))]
     assert recording.cycles[2].candidates["driving"] == {name: list(column) for name, column in plan.items()}
     assert all(type(value) is float for value in recording.cycles[2].ego.values())
 

@@ -16,6 +16,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.contract import FOLLOWED
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
+from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.door.lines import line as line_of
 from trackmarshal.runtime.faults import name_of
@@ -279,14 +280,13 @@ def _plain(value: Any) -> Any:
 
 
 def _elements(given: Any) -> list[dict[str, Any]]:
-    """The elements of a set, given as records or as columns; those without an id are counted, as the door does."""
+    """The elements of a set, given as records or as columns; ids are texts, and those without one are counted, as the door does."""
     if isinstance(given, Mapping):
         listed = {name: column for name, column in given.items() if column is not None}
         given = [dict(zip(listed, values)) for values in zip(*listed.values())]
-    return [
-        {**each, "id": str(place) if each.get("id") is None else each["id"]}
-        for place, each in enumerate(given or ())
-    ]
+    each = list(given or ())
+    ids = values.ids([str(place) if one.get("id") is None else one["id"] for place, one in enumerate(each)])
+    return [{**one, "id": id_} for one, id_ in zip(each, ids)]
 
 
 class _Clock:
