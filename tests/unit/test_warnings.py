@@ -338,6 +338,39 @@ def test_a_table_that_has_no_value_for_an_input_is_asked_about(
         assert made.found[0].message.endswith(f"may be {v:g} m/s")
 
 
+WITHIN = "car.v in [2 m/s, 16 m/s]"
+
+
+@pytest.mark.parametrize(
+    ("demand", "clauses"),
+    [
+        (f"distance(car.v) <= 30 m or not ({WITHIN})", ""),
+        (f"distance(car.v) <= 30 m and {WITHIN}", ""),
+        (f"({WITHIN} implies distance(car.v) <= 30 m) and car.v <= 60 m/s", ""),
+        (f"({WITHIN} implies distance(car.v) <= 30 m) and (car.v > 10 m/s implies car.v <= 60 m/s)", ""),
+        ("car.v <= 60 m/s", "  whenever  car.v < 2 m/s or car.v > 16 m/s or distance(car.v) <= 20 m\n"),
+        ("o.v <= 60 m/s", "  for all   o in cars where distance(o.v) <= 20 m and o.v in [2 m/s, 16 m/s]\n"),
+        ("distance(car.v) <= 30 m", ""),
+        ("car.v <= 60 m/s", "  whenever  distance(car.v) <= 20 m\n"),
+        ("car.v <= 60 m/s", "  whenever  car.v < 2 m/s or distance(car.v) <= 20 m\n"),
+        ("car.v <= (if distance(car.v) <= 20 m then 30 m/s else 39 m/s)", ""),
+        ("exists o in cars where distance(o.v) <= 20 m: o.v <= 60 m/s", ""),
+    ],
+)
+def test_a_table_is_asked_about_where_it_decides(demand: str, clauses: str, tmp_path: Path) -> None:
+    """What decides without it may stand on either side, and in a condition as well as in a demand: as the evaluator says, so the warning."""
+    head = (
+        "signal car : state { v: m/s in [0, 40] }\nsignal cars : set of object { v: m/s in [0, 40] }\n"
+        "table distance(v: m/s) -> m = linear\n  | 2 m/s: 2 m | 16 m/s: 26 m |\n"
+    )
+    made = compiled(tmp_path, head + rule("a", demand, clauses))
+    evaluator = Evaluator(made.spec, None, "reference")
+    signals = [{"car": {"v": v}, "cars": [{"v": v}]} for v in (0.0, 1.9, 2.0, 9.0, 16.0, 16.1, 40.0)]
+    results = evaluator.evaluate([evaluator.read({"signals": each}) for each in signals])
+    undefined = any(result.rules["a"].verdict == "undefined" for result in results)
+    assert ["W315" for found in made.found if found.code == "W315"] == ["W315"] * undefined
+
+
 @pytest.mark.parametrize("long", [False, True], ids=["on a line", "on several lines"])
 @pytest.mark.parametrize(
     "formula",

@@ -78,6 +78,8 @@ class Bounds:
         self.tables = tables
         #: By table, where the inputs lie at which the rule reads it.
         self.read_at: dict[str, Interval] = {}
+        #: Whether note is taken of that: where something is assumed, it was asked before what it can come to.
+        self._noting = False
         self._fields: dict[tuple[str, str], FieldType | None] = {}
         self._left = MOST
         #: Of another cycle, or another sample, nothing is known.
@@ -86,10 +88,9 @@ class Bounds:
     def begin(self) -> None:
         """Begin to look at another rule."""
         self._left = MOST
-        self.read_at, self.nothing = (
-            {},
-            Facts(),
-        )  # what was worked out for another rule took no note for this one
+        self._noting = bool(self.tables)
+        # What was worked out for another rule took no note for this one.
+        self.read_at, self.nothing = {}, Facts()
 
     def _count(self) -> None:
         self._left -= 1
@@ -120,11 +121,13 @@ class Bounds:
                 inner: Facts | None = facts.without(formula.axis)
                 if formula.guard is not None:
                     assert inner is not None
+                    self.note(formula.guard, inner)
                     inner = self.assume(formula.guard, True, inner)
                 empty = HOLDS if formula.quantifier == "for all" else FAILS
                 body = 0 if inner is None else self.truths(formula.body, inner)
                 return empty | (body & _denied(empty))
             case ir.Guarded():
+                self.note(formula.guard, facts)
                 under = self.assume(formula.guard, True, facts)
                 return HOLDS if under is None else HOLDS | self.truths(formula.body, under)
             case ir.Temporal():
@@ -150,12 +153,19 @@ class Bounds:
 
     def assume(self, formula: ir.Formula, value: bool, facts: Facts) -> Facts | None:
         """What is known where a formula holds, or does not, besides; None: it cannot be so."""
+        noting, self._noting = self._noting, False
+        try:
+            return self._assumed(formula, value, facts)
+        finally:
+            self._noting = noting
+
+    def _assumed(self, formula: ir.Formula, value: bool, facts: Facts) -> Facts | None:
         self._count()
         match formula:
             case ir.Scaled() | ir.At():
-                return self.assume(formula.operand, value, facts)
+                return self._assumed(formula.operand, value, facts)
             case ir.Not():
-                return self.assume(formula.operand, not value, facts)
+                return self._assumed(formula.operand, not value, facts)
             case ir.Flag():
                 if not self.truths(formula, facts) & (HOLDS if value else FAILS):
                     return None
@@ -175,9 +185,9 @@ class Bounds:
                 return self._ordered(formula.left, formula.right, hold if value else _EVERY & ~hold, facts)
             case ir.Connective() if formula.op in ("and", "or"):
                 if value == (formula.op == "and"):  # both are so
-                    first = self.assume(formula.left, value, facts)
-                    return None if first is None else self.assume(formula.right, value, first)
-                one, other = (self.assume(side, value, facts) for side in (formula.left, formula.right))
+                    first = self._assumed(formula.left, value, facts)
+                    return None if first is None else self._assumed(formula.right, value, first)
+                one, other = (self._assumed(side, value, facts) for side in (formula.left, formula.right))
                 return other if one is None else one if other is None else facts
             case _:
                 return facts if self.truths(formula, facts) & (HOLDS if value else FAILS) else None
@@ -195,9 +205,13 @@ class Bounds:
         return formula.span if isinstance(formula, (ir.Compare, ir.Flag, ir.InState)) else None
 
     def _joined(self, formula: ir.Connective, facts: Facts) -> int:
-        left = self.truths(formula.left, facts)
+        first, second = formula.left, formula.right
+        # Either side may decide alone, whatever the other one has no value for.
+        if self._noting and _looks_up(first) and not _looks_up(second):
+            first, second = second, first
+        left = self.truths(first, facts)
         if formula.op in ("iff", "xor"):
-            right = self.truths(formula.right, facts)
+            right = self.truths(second, facts)
             same = (left & right) != 0
             other = (left & _denied(right)) != 0
             found = (HOLDS if same else 0) | (FAILS if other else 0)
@@ -207,9 +221,9 @@ class Bounds:
         if not left & both:
             return alone
         if not left & alone:
-            return self.truths(formula.right, facts)
-        under = self.assume(formula.left, both == HOLDS, facts)
-        return alone | (0 if under is None else self.truths(formula.right, under) & both)
+            return self.truths(second, facts)
+        under = self.assume(first, both == HOLDS, facts)
+        return alone | (0 if under is None else self.truths(second, under) & both)
 
     def _at_times(self, operand: ir.Formula, of_all: bool, with_now: bool, facts: Facts) -> int:
         """Of a formula at all times of a window, or at one of them; a window that does not begin now may be empty."""
@@ -311,6 +325,7 @@ class Bounds:
                 return self._function(node, facts)
             case ir.Choose():
                 sides = []
+                self.note(node.condition, facts)
                 for value, side in ((True, node.then), (False, node.otherwise)):
                     under = self.assume(node.condition, value, facts)
                     if under is not None and not _no_number(side):
@@ -325,7 +340,8 @@ class Bounds:
             case ir.OnLane():
                 return NOT_NEGATIVE if node.what == "distance" else ANY
             case ir.Lookup():
-                self._reads(node, facts)
+                if self._noting:
+                    self._reads(node, facts)
                 return ANY  # another one may be given
             case ir.GridLookup():
                 return ANY
@@ -333,6 +349,11 @@ class Bounds:
                 return ANY
             case _:
                 assert_never(node)
+
+    def note(self, condition: ir.Formula, facts: Facts) -> None:
+        """Take note of where a condition reads tables, before it is assumed."""
+        if self._noting and _looks_up(condition):
+            self.truths(condition, facts)
 
     def _reads(self, node: ir.Lookup, facts: Facts) -> None:
         """Take note of where a table is read: of an input alone, since what is computed need not come to all that its interval has."""
@@ -387,6 +408,7 @@ class Bounds:
         inner: Facts | None = facts.without(node.axis)
         if node.guard is not None:
             assert inner is not None
+            self.note(node.guard, inner)
             inner = self.assume(node.guard, True, inner)
         if node.op == "nearest":
             return -1.0, math.inf
@@ -420,6 +442,10 @@ class Bounds:
             known = self._signals.get(signal)
             self._fields[signal, name] = None if known is None else known.field(name)
         return self._fields[signal, name]
+
+
+def _looks_up(formula: ir.Formula) -> bool:
+    return any(isinstance(node, ir.Lookup) for node in ir.below(formula))
 
 
 def _flag(node: ir.Flag) -> _FlagAt:

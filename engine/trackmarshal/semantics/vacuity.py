@@ -66,6 +66,7 @@ def _vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Diagnostic | No
         if isinstance(clause, typed.ForEach):
             sought = sought or clause.quantifier == "exists"
         if level.guard is not None:
+            bounds.note(level.guard, facts)
             met = bounds.assume(level.guard, True, facts)
             if met is None:
                 return _never(
