@@ -81,6 +81,8 @@ class _Reader:
         self._text = ""
         self._tests: list[ExternalTest] = []
         self._left = MAX_NAMED
+        #: What suites name, the inner ones first: of the tests from a number up to another one. Properties of a suite may stand behind its tests.
+        self._of_all: list[tuple[int, int, list[str]]] = []
         self._parser = expat.ParserCreate()
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._document_type
@@ -97,7 +99,18 @@ class _Reader:
             raise _refused("T331", self._shown, f"not XML: {message}", error.lineno, AGAIN) from error
         except (ValueError, LookupError) as error:  # an encoding that is none
             raise _refused("T331", self._shown, f"not XML: {error}", None, AGAIN) from error
-        return self._tests
+        return self._named_by_suites()
+
+    def _named_by_suites(self) -> list[ExternalTest]:
+        """The tests with what their suites name, each made once: in suites of suites, the outer ones name little of tests that have much already."""
+        named: list[list[str]] = [[] for _ in self._tests]
+        for first, end, requirements in self._of_all:
+            for names in named[first:end]:
+                names += requirements
+        return [
+            replace(t, requirements=tuple(dict.fromkeys((*t.requirements, *names)))) if names else t
+            for t, names in zip(self._tests, named)
+        ]
 
     def _document_type(self, root: str, *_: object) -> None:
         raise self._fail(
@@ -210,11 +223,8 @@ class _Reader:
             if self._left < 0:
                 message = f"its suites name requirements of their tests more than {MAX_NAMED} times"
                 raise self._fail("T334", message, "name at each test what it verifies")
-            # Properties of a suite may stand behind its tests.
-            self._tests[suite.first :] = self._tests[suite.first :] if not suite.requirements else [
-                replace(t, requirements=tuple(dict.fromkeys((*t.requirements, *suite.requirements))))
-                for t in self._tests[suite.first :]
-            ]  # fmt: skip
+            if suite.requirements:
+                self._of_all.append((suite.first, len(self._tests), suite.requirements))
 
     def _characters(self, text: str) -> None:
         if not self._silent and len(self._text) < Case.MOST:
