@@ -68,7 +68,7 @@ def test_a_folder_of_reports_may_hold_records_too(tmp_path: Path) -> None:
     assert (broken.place.file, "run its tests again" in broken.help) == ("out/two.json", True)
 
 
-@pytest.mark.parametrize("path", ["out", "./out", "out//one", "./out/one/door.xml"])
+@pytest.mark.parametrize("path", ["out", "./out", "out//one", "./out/one/door.xml", "."])
 def test_a_report_answers_a_method_however_its_path_is_written(path: str, tmp_path: Path) -> None:
     """T255 said that it was not run, and asked for nothing else while it may be missing."""
     entry = f"junit: [{{path: {path}, stage: S-3-B, if_there: true, methods: [measurement]}}]"
@@ -77,6 +77,9 @@ def test_a_report_answers_a_method_however_its_path_is_written(path: str, tmp_pa
         "requirements/criteria.yaml", "verification: [review]", "verification: [review, measurement]"
     )
     assert [f.subject for f in small.matrix().findings if f.code in ("T122", "T255", "T330")] == []
+    read = requirements.load(small.root, [])
+    (held,) = reported(read, outside.load(small.root, read, (), [])).values()
+    assert held == {"tests.test_a: door"}
 
 
 def test_what_runners_leave_beside_reports_is_passed_over(tmp_path: Path) -> None:

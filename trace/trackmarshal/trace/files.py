@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import posixpath
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
@@ -70,6 +71,12 @@ def lacking(path: str, found: Hashes) -> str:
 def way_out(path: str, found: Hashes) -> str:
     """What to do about a file that does not count."""
     return f"{'put the file itself there' if led_out(path) in found else 'restore it'}, or strike the entry"
+
+
+def among(file: str, path: str) -> bool:
+    """Whether a file is what a path names, or is in the folder that it names: files of a folder are named from the project, however that is written."""
+    folder = posixpath.normpath(path)
+    return file in (path, folder) or folder == "." or file.startswith(f"{folder}/")
 
 
 def _outside(root: Path, path: str) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import posixpath
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,7 +11,7 @@ from typing import TypeAlias
 
 from trackmarshal.records import ExternalTest
 from trackmarshal.trace import sections
-from trackmarshal.trace.files import Hashes, naming
+from trackmarshal.trace.files import Hashes, among, naming
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.conditions import in_si
@@ -121,11 +120,8 @@ def reported(project: Project, outside: Outside) -> dict[str, frozenset[str]]:
 
 def _in(report: TestReport, outside: Outside) -> Iterator[ExternalTest]:
     """The tests of a report, or of the reports in a folder."""
-    path = posixpath.normpath(report.path)  # files of a folder are named so, however it is written
     for test, stage, _ in outside.tests:
-        if stage == report.stage and (
-            test.report in (report.path, path) or test.report.startswith(f"{path}/")
-        ):
+        if stage == report.stage and among(test.report, report.path):
             yield test
 
 

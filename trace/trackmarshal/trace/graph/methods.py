@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import posixpath
 from collections.abc import Container, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from trackmarshal.trace.files import among
 from trackmarshal.trace.findings import Finding, did_you_mean, error
 from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.graph import Graph, Node
@@ -86,8 +86,8 @@ def _tests_of(path: str, around: Outside) -> bool:
 
 
 def _of(report: str, paths: Sequence[str | Placed]) -> bool:
-    """Whether a report is one of these, or in one of these folders, whose files are named in one way however the folder is written."""
-    return any(report == path or report.startswith(f"{posixpath.normpath(path)}/") for path in paths)
+    """Whether a report is one of these, or in one of these folders."""
+    return any(among(report, path) for path in paths)
 
 
 __all__ = ["check", "unknown"]
