@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from golden.trace.cases import PROJECT, TODAY, Small
+from golden.trace.cases import HERE, PROJECT, TODAY, Small, apply
 from trackmarshal import trace
 from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.cells import combined
@@ -369,3 +369,22 @@ def test_a_rule_that_nothing_is_evaluated_with_by_default_is_called_so() -> None
     unrun = build(small, spec_items=[*items, rule], runs=[])
     row = next(row for row in unrun.rows if row.requirement.id == "S-1-A-2")
     assert {item.name: item.detail for item in row.cells["S-2-B"].items}["slow"] == "code, 1"
+
+
+@pytest.mark.parametrize("case", ["T242_log_changed", "T242_made_from_nothing", "T242_recording_changed"])
+def test_a_run_that_is_stale_in_cells_is_stale_in_the_graph(case: str, tmp_path: Path) -> None:
+    """Which the safety case and the page of the matrix go by: of a kept run whose log has changed, they said that it was run."""
+    small = Small.copy(tmp_path)
+    apply(
+        small, (HERE / "findings" / f"{case}.case").read_text("utf-8").partition("expect\n")[0].splitlines()
+    )
+    matrix = small.matrix()
+    stale = {
+        item.name for row in matrix.rows for cell in row.cells.values() for item in cell.items
+        if item.kind == "run" and item.status == "stale"
+    }  # fmt: skip
+    nodes = matrix.graph.by_kind["run"]
+    assert len(stale) == 1
+    assert {node.id for node in nodes if node.attributes["outcome"] == "stale"} == stale
+    links = [link for link in matrix.graph.of_kind("evaluates") if link.source[1] in stale]
+    assert {link.state for link in links} == {"outdated"}

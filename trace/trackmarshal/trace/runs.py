@@ -120,8 +120,14 @@ def _held(scenario: Scenario, spec: Spec, hashes: Hashes) -> RunSummary | Showin
         return Showing("missing", f"the recording {lacking(scenario.path, hashes)}")
     if run is None:
         return Showing("missing", "not run")
-    stale = spec.run_staleness(run, hashes.get(scenario.path)) or _changed(scenario, run, hashes)
+    stale = staleness(scenario, run, spec, hashes)
     return Showing("stale", stale) if stale else run
+
+
+def staleness(scenario: Scenario | None, run: RunSummary, spec: Spec, hashes: Hashes) -> str:
+    """Why the run of a scenario, or of what none declares, says nothing of what there is now; empty where it does."""
+    stale = spec.run_staleness(run, hashes.get(run.scenario))
+    return stale or ("" if scenario is None else _changed(scenario, run, hashes))
 
 
 def _absent(scenario: Scenario, run: RunSummary, hashes: Hashes) -> list[str]:
@@ -300,7 +306,7 @@ def check(project: Project, spec: Spec, hashes: Hashes) -> Iterator[Finding]:
                 "its hash is in the run; fetch it to make the run again",
                 path,
             )
-        stale = spec.run_staleness(run, hashes.get(path)) or _changed(scenario, run, hashes)
+        stale = staleness(scenario, run, spec, hashes)
         if stale:
             yield warning(
                 "T242",

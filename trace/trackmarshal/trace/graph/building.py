@@ -16,7 +16,7 @@ from trackmarshal.records import (
     SpecItem,
     TestResult,
 )
-from trackmarshal.trace import faults
+from trackmarshal.trace import faults, runs
 from trackmarshal.trace.external import External, worst
 from trackmarshal.trace.files import Hashes, demanding
 from trackmarshal.trace.findings import Place
@@ -236,8 +236,9 @@ class _Building:
                 "origin": str(scenario.origin),
             }
             self._node("scenario", scenario.path, scenario.title, scenario.path.place, attributes)
+        scenarios = {str(scenario.path): scenario for scenario in reversed(self.project.scenarios)}
         for run in self.spec.runs.values():
-            stale = self.spec.run_staleness(run, self.hashes.get(run.scenario))
+            stale = runs.staleness(scenarios.get(run.scenario), run, self.spec, self.hashes)
             declared = self.nodes.get(("scenario", run.scenario))
             attributes = {
                 "fired": "yes" if run.fired else "no",
