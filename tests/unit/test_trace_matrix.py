@@ -388,3 +388,30 @@ def test_a_run_that_is_stale_in_cells_is_stale_in_the_graph(case: str, tmp_path:
     assert {node.id for node in nodes if node.attributes["outcome"] == "stale"} == stale
     links = [link for link in matrix.graph.of_kind("evaluates") if link.source[1] in stale]
     assert {link.state for link in links} == {"outdated"}
+
+
+@pytest.mark.parametrize(
+    ("path", "said", "status", "outcome"),
+    [
+        ("docs/more.md", "All of it was measured.", "covered", "there"),
+        ("docs/more.md", "No evidence exists yet.", "partial", "partial"),
+        ("docs/more.md", "", "missing", "missing"),
+        ("requirements/more.yaml", "document: nothing", "missing", "missing"),
+        # Its first entry says nothing of its contents, this one does.
+        ("docs/seen.md", None, "stale", "changed"),
+    ],
+)
+def test_a_document_has_come_to_no_more_than_in_cells(
+    path: str, said: str | None, status: str, outcome: str, tmp_path: Path
+) -> None:
+    small = Small.copy(tmp_path)
+    if said is not None:
+        (small.root / path).write_text(said, "utf-8")
+    entry = f"{{path: {path}, title: more, stage: S-2-A, requirements: [S-1-B-1]}}"
+    if said is None:
+        entry = f"{entry}\n  - {entry[:-1]}, sha256: {'a' * 64}}}"
+    small.replace("requirements/v-model.yaml", "evidence:\n", f"evidence:\n  - {entry}\n")
+    matrix = small.matrix()
+    row = next(row for row in matrix.rows if row.requirement.id == "S-1-B-1")
+    assert status in {item.status for item in row.cells["S-2-A"].items if item.name == path}
+    assert matrix.graph.nodes["document", path].attributes["outcome"] == outcome

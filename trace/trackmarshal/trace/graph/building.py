@@ -279,11 +279,7 @@ class _Building:
 
     def _documents(self) -> None:
         for entry in self.project.evidence:
-            there = self.hashes.get(entry.path)
-            outcome = (
-                "missing" if not there else "changed" if entry.sha256 and entry.sha256 != there else "there"
-            )
-            attributes = {"stage": str(entry.stage), "outcome": outcome, "fingerprint": there or ""}
+            attributes = {"stage": str(entry.stage), **self._document(str(entry.path))}
             self._node("document", entry.path, entry.title, entry.path.place, attributes)
         named = [(item.evidence, item_place(item)) for item in self.spec.by_name.values() if item.evidence]
         named += [
@@ -295,14 +291,7 @@ class _Building:
         if self.project.closed_loop is not None:
             named.append((str(self.project.closed_loop), self.project.closed_loop.place))
         for path, place in named:
-            there = self.hashes.get(path)
-            self._node(
-                "document",
-                path,
-                "",
-                place,
-                {"outcome": "there" if there else "missing", "fingerprint": there or ""},
-            )
+            self._node("document", path, "", place, self._document(path))
         for waiver in self.project.waivers:
             attributes = {
                 "owner": str(waiver.owner), "approver": str(waiver.approver), "granted": waiver.granted.isoformat(),
@@ -310,6 +299,20 @@ class _Building:
                 "codes": ", ".join(waiver.codes), "subjects": ", ".join(waiver.subjects),
             }  # fmt: skip
             self._node("waiver", waiver.id, waiver.justification, waiver.id.place, attributes)
+
+    def _document(self, path: str) -> dict[str, str]:
+        """What a document has come to, by all that names it: as cells have it, the worst prevails."""
+        there = self.hashes.get(path)
+        reviewed = {entry.sha256 for entry in self.project.evidence if entry.path == path and entry.sha256}
+        if not there or demanding(path) in self.hashes:
+            outcome = "missing"
+        elif reviewed - {there}:
+            outcome = "changed"
+        elif any(denying == path for denying, _ in self.around.denials):
+            outcome = "partial"
+        else:
+            outcome = "there"
+        return {"outcome": outcome, "fingerprint": there or ""}
 
     def _links(self) -> None:
         self._links_of_the_system()
