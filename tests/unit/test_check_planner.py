@@ -494,3 +494,44 @@ def test_a_real_planner(spec: Spec, name: str) -> None:
     assert (plan["heading"].zero, plan["heading"].clockwise, plan["heading"].degrees) == ("+y", False, False)
     assert (report.mapped.driving, report.mapped.emergency) == ("candidates.driving", "candidates.emergency")
     assert [f.words for f in report.findings if f.level == "broken" and f.about.startswith("plan")] == []
+
+
+#: Of its signals, as a project that begins with `init` has them: no borders, nothing that stands about, and neither s nor kappa.
+OWN = """
+module own
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m, y: m, v: m/s }
+rule slow "At most 100 m/s"
+  for all   p in plan
+  require   p.v <= 100 m/s
+"""
+
+
+@pytest.mark.parametrize("names", [("x", "y", "v"), COLUMNS])
+def test_what_a_contract_of_ones_own_does_not_have_is_neither_asked_for_nor_sent(
+    names: tuple[str, ...],
+) -> None:
+    own = tm.loads(OWN)
+    cycles = [
+        {
+            **{
+                name: {key: one["candidates"][name][key] for key in names}
+                for name in ("driving", "emergency")
+            },
+            **{name: one[name] for name in ("t", "ego", "objects")},
+        }
+        for one in recorded()[0]
+    ]
+    report = tm.check_planner(cycles, own)
+    assert report.convertible, [str(one) for one in report.findings]
+    assert not {one.about.partition(".")[0] for one in report.findings} & {"track", "obstacles"}
+    made: dict[str, Any] = {}
+    exec(report.adapter, made)
+    now = 0.0
+    supervisor = tm.supervisor(own, clock=lambda: now)
+    for number, one in enumerate(cycles):
+        cycle = made["cycle_of"](number, one)
+        now = cycle.t
+        decision = supervisor.step(cycle)
+        assert decision.state == "drive", [str(reason) for reason in decision.reasons]

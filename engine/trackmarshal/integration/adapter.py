@@ -64,16 +64,16 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
         lines.append(f'        "objects": {_set(made, made.objects, made.object_fields)},')
     elif made.no_objects is not None:
         lines.append(f'        "objects": others({_get("cycle", made.no_objects)}),')
-    else:
+    elif "objects" in made.contract:
         lines.append('        "objects": None,  # TODO: other vehicles, also where there are none')
     if made.obstacles is not None:
         lines.append(f'        "obstacles": {_set(made, made.obstacles, made.obstacle_fields)},')
-    else:
+    elif "obstacles" in made.contract:
         lines.append('        "obstacles": [],  # TODO: what stands on the road')
     if made.left is not None and made.right is not None and not in_header:
         left, right = (_get("cycle", path) for path in (made.left, made.right))
         lines.append(f'        "track": track or {{"left": tm.line({left}), "right": tm.line({right})}},')
-    else:
+    elif "track" in made.contract:
         lines.append('        "track": track,')
     lines += ["    }", "    return tm.Cycle(number, stamp, driving, emergency, signals)"]
     return "\n".join(lines) + "\n"
@@ -104,9 +104,15 @@ def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
             lines.append(f'        "{name}": {column.code(source)},')
     lines.append("    }")
     missing = [name for name in HELPERS if name in made.computed]
-    lines.append(
-        f"    return tm.complete(columns)  # {', '.join(missing)}" if missing else "    return columns"
-    )
+    value = f"tm.complete(columns)  # {', '.join(missing)}" if missing else "columns"
+    # What is completed has all columns, and the contract may have fewer.
+    further = sorted({*made.plan, *(HELPERS if missing else ())} - made.contract["plan"])
+    if further:
+        lines.append(f"    columns = {value}")
+        value = (
+            f"{{name: columns[name] for name in columns if name not in {further}}}  # nothing declares these"
+        )
+    lines.append(f"    return {value}")
     return [*lines, "", ""]
 
 

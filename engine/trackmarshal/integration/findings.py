@@ -138,13 +138,13 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
     if made.objects is None and made.no_objects is not None:
         words = f"`{made.no_objects}` is empty in all cycles, so its fields are not known: the adapter raises where it is not"
         yield Finding("note", "objects", words, "take cycles among other vehicles")
-    elif made.objects is None:
+    elif made.objects is None and "objects" in made.contract:
         yield Finding(
             "broken", "objects", "no set of other vehicles was found", "send a list, also where it is empty"
         )
-    else:
+    elif made.objects is not None:
         for field in ("id", "heading", "length", "width"):
-            if field not in made.object_fields:
+            if field not in made.object_fields and field in (made.contract["objects"] | {"id"}):
                 yield Finding(
                     "broken", f"objects.{field}", f"`{made.objects}` has nothing that is called like it"
                 )
@@ -156,12 +156,12 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
             yield Finding("broken", "objects", words, "send all that moves in one list")
         else:
             yield Finding("note", "objects", f"`{path}` has places, and is not taken")
-    if made.obstacles is None:
+    if made.obstacles is None and "obstacles" in made.contract:
         words = "no set of what stands on the road was found; an empty one is taken"
         yield Finding(
             "note", "obstacles", words, "send what perception knows of: cones, barriers, parked vehicles"
         )
-    if made.left is None or made.right is None:
+    if (made.left is None or made.right is None) and "track" in made.contract:
         yield Finding(
             "broken",
             "track",

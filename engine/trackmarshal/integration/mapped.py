@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -35,6 +35,8 @@ class Mapped:
     """Paths and columns of a planner's cycles. driving, emergency, ego, objects, left and right are paths; None: there is none."""
 
     founds: list[Found]
+    #: What the contract has: fields by signal. What it does not have is neither asked for nor handed on.
+    contract: Mapping[str, frozenset[str]]
     stamp: Column | None = None
     driving: str | None = None
     emergency: str | None = None
@@ -61,7 +63,9 @@ class Mapped:
     def computed(self) -> list[str]:
         """Fields of the plan that it does not have and that follow from others."""
         return (
-            [name for name in HELPERS if name not in self.plan] if {"x", "y", "v"} <= self.plan.keys() else []
+            [name for name in HELPERS if name not in self.plan and name in self.contract["plan"]]
+            if {"x", "y", "v"} <= self.plan.keys()
+            else []
         )
 
     def times(self) -> list[float]:
@@ -79,12 +83,15 @@ class Mapped:
         if self.absolute and "t" in made:
             made["t"] = made["t"] - self.times()[place]
         if not {"x", "y", "v"} <= made.keys():
-            return made
+            return self._declared(made)
         try:
             full = completed({name: list(map(float, values)) for name, values in made.items()})
         except TrackmarshalError:  # it stands, and nobody says where it points
-            return made
-        return {name: np.array(values) for name, values in full.items()}
+            return self._declared(made)
+        return self._declared({name: np.array(values) for name, values in full.items()})
+
+    def _declared(self, columns: dict[str, Array]) -> dict[str, Array]:
+        return {name: values for name, values in columns.items() if name in self.contract["plan"]}
 
     def border(self, place: int, path: str | None) -> Array | None:
         if path is None:
@@ -98,7 +105,9 @@ class Mapped:
     def cycle(self, place: int, t: float) -> Cycle:
         """One cycle as the Supervisor takes it; what is not there is None or left out."""
         found = self.founds[place]
-        signals: dict[str, Any] = {"obstacles": self.elements(found, self.obstacles, self.obstacle_fields)}
+        signals: dict[str, Any] = {}
+        if "obstacles" in self.contract:
+            signals["obstacles"] = self.elements(found, self.obstacles, self.obstacle_fields)
         record = found.records.get(self.ego) if self.ego is not None else None
         if record is not None:
             signals["ego"] = {
@@ -125,10 +134,11 @@ def _element(item: Mapping[str, Any], fields: dict[str, Column]) -> dict[str, An
 
 
 def read(
-    cycles: Sequence[Mapping[str, Any]], header: Mapping[str, Any] | None = None, driving: str | None = None, emergency: str | None = None
+    cycles: Sequence[Mapping[str, Any]], contract: Mapping[str, frozenset[str]], header: Mapping[str, Any] | None = None,
+    driving: str | None = None, emergency: str | None = None,
 ) -> Mapped:  # fmt: skip
-    """Look for everything. driving, emergency: paths, where a person says them. Raises D196 where there is no trajectory."""
-    made = Mapped([look(cycle) for cycle in cycles], header=look(header or {}))
+    """Look for everything that the contract has, which is fields by signal. driving, emergency: paths, where a person says them. Raises D196 where there is no trajectory."""
+    made = Mapped([look(cycle) for cycle in cycles], contract, header=look(header or {}))
     there = [path for path, _ in paths(made.founds, "timelines")]
     for given in (driving, emergency):
         if given is not None and given not in there:
@@ -152,21 +162,28 @@ def read(
     made.absolute = _absolute(made)
     made.others = [p for p in there if p not in (made.driving, made.emergency)]
     _car(made)
-    found = records.objects(made.founds, made.times())
+    found = records.objects(made.founds, made.times()) if "objects" in contract else None
     if found is not None:
-        made.objects, made.object_fields = found
-    else:
+        made.objects, fields = found
+        made.object_fields = _of(fields, contract["objects"] | {"id"})
+    elif "objects" in contract:
         empty = [
             (likeness(path.rpartition(".")[2], "objects"), path) for path, _ in paths(made.founds, "empty")
         ]
         made.no_objects = max((one for one in empty if one[0] >= 0.8), default=(0.0, None))[1]
     standing = records.obstacles(made.founds, made.objects)
-    if standing is not None:
-        made.obstacles, made.obstacle_fields = standing
+    if standing is not None and "obstacles" in contract:
+        made.obstacles, fields = standing
+        made.obstacle_fields = _of(fields, contract["obstacles"] | {"id"})
     there = [path for path in (made.objects, made.obstacles) if path is not None]
     made.keyed = {path for path in there if any(path in one.keyed for one in made.founds)}
-    made.left, made.right = _borders(made)
+    if "track" in contract:
+        made.left, made.right = _borders(made)
     return made
+
+
+def _of(fields: dict[str, Column], declared: Collection[str]) -> dict[str, Column]:
+    return {name: column for name, column in fields.items() if name in declared}
 
 
 def _absolute(made: Mapped) -> bool:

@@ -159,8 +159,10 @@ def check_planner(
         raise TrackmarshalError(
             "D195", "there is no cycle", file=name, help="record at least one, better a hundred"
         )
+    fields = {one.name: frozenset(field.name for field in one.fields_) for one in spec.signals.values()}
+    contract = {"plan": frozenset[str](), **fields}
     with np.errstate(all="ignore"):  # what is not finite is for the door to tell
-        made = read(raws, header, driving, emergency)
+        made = read(raws, contract, header, driving, emergency)
         times = made.times()
         cycles = tuple(made.cycle(place, t) for place, t in enumerate(times))
         findings = [*of_structure(made), *of_motion(made, times)]
