@@ -22,7 +22,7 @@ from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
-from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.scenarios.overrides import known_tables
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 #: numpy has an arc tangent of its own, which this rule asks for (docs/generated-c.md, Agreement).

@@ -21,8 +21,8 @@ from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.fields import own_names
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import CANDIDATES
-from trackmarshal.scenarios.replay import known_tables
 
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 

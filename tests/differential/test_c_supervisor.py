@@ -37,8 +37,8 @@ from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.faults.campaign import Bench
 from trackmarshal.scenarios.faults.declaration import Fault, load
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import Recording
-from trackmarshal.scenarios.replay import known_tables
 from trackmarshal.supervision import Rulebox, box_of, rerun, rulebox
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")

@@ -27,7 +27,7 @@ from trackmarshal.process.messages import Layout
 from trackmarshal.process.serving import build
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Cycle, Limits
-from trackmarshal.scenarios.replay import known_tables
+from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.supervision import rulebox
 
 pytestmark = [

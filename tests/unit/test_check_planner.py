@@ -19,7 +19,6 @@ from support.schemas import hold
 from support.shared import shared
 from support.supervised import ROOT
 from trackmarshal.cli.main import main
-from trackmarshal.integration.mapped import read
 from trackmarshal.ir.spec import Spec
 
 COLUMNS = ("t", "s", "x", "y", "heading", "kappa", "v", "a")
@@ -304,13 +303,13 @@ def test_ids_that_are_no_single_number_are_told(spec: Spec, id_: Any) -> None:
     assert "times the speed of their motion" in str(report)
 
 
-def test_of_records_that_are_as_good_as_each_other_the_first_is_taken() -> None:
+def test_of_records_that_are_as_good_as_each_other_the_first_is_taken(spec: Spec) -> None:
     """Whatever the hashes of their names are in this process: which one was the car's changed from run to run."""
     cycles = [
         {"candidates": one["candidates"], **{f"source_{i}": {"ego": one["ego"]} for i in range(50)}}
         for one in recorded()[0][:3]
     ]
-    assert read(cycles).ego == "source_0.ego"
+    assert tm.check_planner(cycles, spec).mapped.ego == "source_0.ego"
 
 
 def test_a_second_list_of_others_is_not_lost_silently(spec: Spec) -> None:

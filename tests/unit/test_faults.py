@@ -224,7 +224,7 @@ def test_a_campaign_leads_to_the_page_that_is_about_faults(tmp_path: Path) -> No
     for name in ("f.yaml", "g.yaml"):
         with pytest.raises(TrackmarshalError) as caught:
             load(tmp_path / name, name)
-        assert "docs/scenarios.md" not in caught.value.help
+        assert "docs/scenarios.md" not in (caught.value.help or "")
     assert caught.value.help == "see docs/faults.md"
 
 

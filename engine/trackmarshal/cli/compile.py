@@ -204,9 +204,8 @@ def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> lis
 def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Iterator[str]:
     """The lines of a file of cycles; raises E403 where the recording's parameters break a constraint."""
     from trackmarshal.scenarios import cycle_file
-    from trackmarshal.scenarios.overrides import known_params
+    from trackmarshal.scenarios.overrides import known_params, known_tables
     from trackmarshal.scenarios.recording import Recording
-    from trackmarshal.scenarios.replay import known_tables
     from trackmarshal.supervision import rulebox
 
     if isinstance(one, Recording):

@@ -76,7 +76,7 @@ def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.backends.over_run.program import remembers
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
-    from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.scenarios.overrides import known_tables
     from trackmarshal.units import in_full, moment
 
     spec_path, *more = map(Path, args.spec) if args.spec else [default_spec(find_project(args))]

@@ -237,8 +237,7 @@ def evaluator_for(
     """
     from trackmarshal.evaluation import Evaluator, configured
     from trackmarshal.scenarios.fields import check_fields, declared_names
-    from trackmarshal.scenarios.overrides import known_params
-    from trackmarshal.scenarios.replay import known_tables
+    from trackmarshal.scenarios.overrides import known_params, known_tables
 
     used = configuration(recording, project, folder)
     within = project or project_of(folder or Path(recording.source).parent)
