@@ -19,6 +19,8 @@ KINDS: dict[type[ast.Item], str] = {
 }  # fmt: skip
 
 
+#: What a configuration replaces by name, without a `use` of where it is declared.
+_REPLACED = (ast.Param, ast.ParamRecord, ast.Table, ast.Place)
 #: Names that mean something without being declared, and what.
 BUILT_IN = {"pi": "number", "inf": "number", "nan": "number"}
 
@@ -64,6 +66,8 @@ class Scope:
             for other in self.used.get(name, ()):
                 if not _same_thing(symbol.item, other.item):
                     hint = "rename one, or remove this one: the other is visible here"
+                    if spoken(symbol.item) == spoken(other.item) and isinstance(symbol.item, _REPLACED):
+                        hint += f"; where this replaces it (`--with`), leave out `use {other.module}`"
                     self._found.append(_hides(_head(symbol.item), spoken(symbol.item), name, other, hint))
 
     def check_bound(self, name: str, span: Span, what: str) -> None:
