@@ -23,10 +23,10 @@ def vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> list[Diagnostic]
         found = _vacuous(core, rule, bounds)
     except (TooMuchError, RecursionError):  # a warning that is not given harms nobody
         return []
-    return list(_outside(rule, bounds)) if found is None else [found]
+    return list(_outside(core, rule, bounds)) if found is None else [found]
 
 
-def _outside(rule: typed.Rule, bounds: Bounds) -> Iterator[Diagnostic]:
+def _outside(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Iterator[Diagnostic]:
     """Of tables that have no value outside of their knots, those that inputs may be outside of by their declared ranges."""
     for name, (low, high) in bounds.read_at.items():
         table = bounds.tables.get(name)  # None where it has errors of its own
@@ -38,8 +38,25 @@ def _outside(rule: typed.Rule, bounds: Bounds) -> Iterator[Diagnostic]:
             side, end = ("below", first) if beyond < first else ("above", last)
             unit = table.units[0]
             yield NoValue(
-                rule.condition.span, short_name(table), side, in_full(end, unit), in_full(beyond, unit)
+                _asking(core, rule, name), short_name(table), side, in_full(end, unit), in_full(beyond, unit)
             )
+
+
+def _asking(core: Lowered, rule: typed.Rule, table: str) -> Span:
+    """Where a rule reads a table: its demand, or else the first of its conditions that does."""
+    places = [(rule.condition.span, core.demand)]
+    for level in core.levels:
+        if level.guard is not None:
+            places.append((_where(level.clause), level.guard))
+        places += [(excepted.condition.span, condition) for excepted, condition in level.excepted]
+    return next(
+        (
+            span
+            for span, formula in places
+            if any(isinstance(node, ir.Lookup) and node.table == table for node in ir.below(formula))
+        ),
+        rule.condition.span,
+    )
 
 
 def never_taken(guard: ir.Formula, span: Span, bounds: Bounds) -> Diagnostic | None:
