@@ -194,6 +194,13 @@ def test_what_the_supervisor_tells_is_not_given(name: str) -> None:
     assert raised.value.help == "give an event of your own another name"
 
 
+def test_what_is_given_is_written_in_the_order_of_the_declaration() -> None:
+    """What an expression gives comes later, and stands where it stood: the hash of a recording that is made again is the one that runs have."""
+    made = scene()
+    assert list(made.always) == ["gate", "wind"]
+    assert {tuple(cycle.more) for cycle in made.cycles} == {("race", "sectors", "rain", "fast")}
+
+
 def test_what_is_given_is_written_and_read_again() -> None:
     made = scene()
     again = recording_io.decode("\n".join(recording_io.encode(made)).encode(), "again")

@@ -60,6 +60,10 @@ def with_further(
             recording = _of_obstacle(recording, specs, name, given)
     for signal in asking:
         recording = _signal(recording, specs, signal, columns)
+    # They are written as they are declared, whichever came first: the file of a declaration stays the one that it was.
+    order = {signal.name: number for number, signal in enumerate(further.signals)}
+    written = [replace(c, more=_in_order(c.more, order)) for c in recording.cycles]
+    recording = replace(recording, cycles=tuple(written), always=_in_order(recording.always, order))
     _check(recording, further, specs)
     return recording
 
@@ -71,6 +75,10 @@ def _of_object(recording: Recording, specs: Specs, name: str, given: Given) -> R
         objects = [{**o, given.name: value} if o["id"] == name else o for o in cycle.objects]
         cycles.append(replace(cycle, objects=objects))
     return replace(recording, cycles=tuple(cycles))
+
+
+def _in_order(signals: Mapping[str, Any], order: Mapping[str, int]) -> dict[str, Any]:
+    return {name: signals[name] for name in sorted(signals, key=lambda name: order.get(name, -1))}
 
 
 def _of_obstacle(recording: Recording, specs: Specs, name: str, given: Given) -> Recording:
