@@ -6,11 +6,9 @@ import time
 from collections.abc import Callable
 
 
-def grows_alike(work: Callable[[int], object], size: int, times: int = 4) -> bool:
-    """Whether so many times as much takes less than twice as many times as long, in CPU time: of what takes the square of it, it does not.
-
-    Three attempts, as whatever else runs may fall on one of them alone."""
-    return any(_spent(work, times * size) < 2 * times * _spent(work, size) for _ in range(3))
+def grows(work: Callable[[int], object], size: int, larger: int) -> float:
+    """How many times as long the larger work takes, in CPU time: the least of three attempts, as whatever else runs may fall on one of them alone."""
+    return min(_spent(work, larger) / _spent(work, size) for _ in range(3))
 
 
 def _spent(work: Callable[[int], object], size: int) -> float:
