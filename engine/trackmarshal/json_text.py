@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable
 from typing import Any, Never, TypeVar
 
-from trackmarshal.units import double
+from trackmarshal.doubles import double
 
 T = TypeVar("T")
 

@@ -7,6 +7,8 @@ import re
 from fractions import Fraction
 from functools import lru_cache
 
+from trackmarshal.doubles import double
+
 #: Exponents of metre, second and kilogram. Whole ones are ints, which are quickly compared.
 Dimension = tuple["int | Fraction", "int | Fraction", "int | Fraction"]
 
@@ -84,14 +86,6 @@ def parse_unit(text: str) -> tuple[float, float, Dimension]:
         whole *= factor ** (sign * exponent)
         dimension = times(dimension, power(dim, Fraction(sign * exponent)))
     return double(whole.numerator), double(whole.denominator), dimension
-
-
-def double(number: float) -> float:
-    """The double next to a number; whole ones that are beyond them become infinite."""
-    try:
-        return float(number)
-    except OverflowError:
-        return math.inf if number > 0 else -math.inf
 
 
 def _parts(text: str) -> list[str]:

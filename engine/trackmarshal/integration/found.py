@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.units import double
+from trackmarshal.doubles import double
 
 Array = NDArray[np.float64]
 #: How deep objects are looked into.

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from trackmarshal.doubles import double
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.integration import records
 from trackmarshal.integration.found import Array, Found, look, paths
@@ -16,7 +17,6 @@ from trackmarshal.integration.mapping import Column, columns
 from trackmarshal.integration.names import likeness
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.trajectories.along import completed
-from trackmarshal.units import double
 
 #: A trajectory that ends slower than this, in m/s, may be meant to end at rest.
 SLOW = 1.5

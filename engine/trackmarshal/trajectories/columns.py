@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping, Set
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.doubles import double
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.units import double
 
 if TYPE_CHECKING:
     import numpy as np

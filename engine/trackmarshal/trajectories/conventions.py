@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from trackmarshal.doubles import double
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trajectories.along import wrap
-from trackmarshal.units import double
 
 #: Where a heading of 0 points to -> rad from +x, counter-clockwise. East, north, west and south with x to the east and y to the north.
 ZEROS = {

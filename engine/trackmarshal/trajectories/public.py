@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.doubles import double
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.trajectories import along, conventions, rest
 from trackmarshal.trajectories.columns import arrays, equally_long, lists, numbers
 from trackmarshal.trajectories.resample import resampled
-from trackmarshal.units import double
 
 if TYPE_CHECKING:
     from trackmarshal.trajectories.columns import Array

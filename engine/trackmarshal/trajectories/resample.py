@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 
+from trackmarshal.doubles import double
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trajectories.along import wrap
 from trackmarshal.trajectories.columns import Lists
-from trackmarshal.units import double
 
 _MOST = 1_000_000
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.units import double
+from trackmarshal.doubles import double
 
 Floats = NDArray[np.float64]
 #: Numbers that JSON has no word for, where data comes from it.
