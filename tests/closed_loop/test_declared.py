@@ -9,7 +9,7 @@ import pytest
 
 from closed_loop import places
 from closed_loop.campaign import collect, run_all, supervise
-from closed_loop.condition import Condition, declared
+from closed_loop.condition import KINDS, Condition, declared, every
 from closed_loop.link import PlannerProcess
 from closed_loop.loop import Run
 from closed_loop.origin import alike, key, origins
@@ -21,6 +21,9 @@ pytestmark = pytest.mark.acceptance
 
 #: What the Supervisor cannot know, or does not live to say: the layer below stops the car.
 BELOW = ("L-03", "T-05")
+#: Of the kinds of faults, what is declared holds 24.
+ONE_MORE = next(condition for condition in every() if condition.fault == "T-05")
+DECLARED = [*declared(), ONE_MORE]
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -31,8 +34,8 @@ def _shared() -> None:
 
 def test_no_declared_fault_ends_badly() -> None:
     folder = places.RUNS / key(origins())
-    run_all(declared(), folder, jobs=min(2, os.cpu_count() or 1))
-    runs = collect(declared(), folder)
+    run_all(DECLARED, folder, jobs=min(2, os.cpu_count() or 1))
+    runs = collect(DECLARED, folder)
     bad = [
         run["name"]
         for run in runs
@@ -47,6 +50,12 @@ def test_no_declared_fault_ends_badly() -> None:
         if alike(kept["origin"]) == alike(origins()):
             by_name = {run["name"]: run for run in kept["runs"]}
             assert runs == [by_name[run["name"]] for run in runs]
+
+
+def test_each_kind_of_fault_that_breaks_no_assumption_is_in_a_run() -> None:
+    assert {condition.fault for condition in DECLARED} == {
+        kind.id for kind in KINDS if kind.id != "none" and not kind.beyond
+    }
 
 
 @pytest.mark.parametrize("fault", ["none", "P-06", "T-02"])
