@@ -25,6 +25,7 @@ from trackmarshal.semantics.errors import (
 )
 from trackmarshal.semantics.scope import spoken
 from trackmarshal.semantics.shapes import SHAPES, Kind, is_shape, shape_named
+from trackmarshal.semantics.sharing import Made, Place
 from trackmarshal.semantics.values import (
     Local,
     Poison,
@@ -181,7 +182,7 @@ def expand(
     infix: bool,
     span: Span,
     ctx: Context,
-) -> typed.Number | typed.Formula:
+) -> typed.CalledNumber | typed.CalledFormula:
     """A definition written out with its arguments in place of its parameters; None: the parameter's default."""
     if symbol.qualified in ctx.stack:
         cycle = " -> ".join(
@@ -192,9 +193,7 @@ def expand(
         raise Poison
     if len(ctx.stack) >= DEEPEST:
         self.fail(TooLarge(ctx.site or span, f"nested more than {DEEPEST} definitions deep"))
-    self.expansions += 1
-    if self.expansions > MOST_EXPANSIONS:
-        self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
+    count_definitions(self, 1, span, ctx)
     inner = _inside(self, symbol, {}, span, ctx)
     given_ = self.all(
         *(
@@ -202,8 +201,43 @@ def expand(
             for p, v in zip(item.parameters, args)
         )
     )
-    bound = self.all(*(partial(_argument, self, p, v, inner) for p, v in zip(item.parameters, given_)))
-    return _body(self, symbol, item, (tuple(given_), tuple(bound)), infix, span, ctx)
+    kept = [self.shared.argument(value) for value in given_]
+    place = Place(symbol.qualified, ctx.level, ctx.timeline, tuple(kept))
+    known_ = self.shared.made.get(place)
+    if known_ is not None and len(ctx.stack) + known_.depth < DEEPEST:
+        return _again(self, known_, infix, span, ctx)
+    before = len(self.found), self.expansions, self.deepest
+    self.deepest = len(ctx.stack)
+    bound = self.all(
+        *(partial(_argument, self, p, v, k, inner) for p, v, k in zip(item.parameters, given_, kept))
+    )
+    value = _body(self, symbol, item, (tuple(kept), tuple(bound)), infix, span, ctx)
+    found, expansions, deepest = before
+    if len(self.found) == found:
+        self.shared.made[place] = Made(value, self.expansions - expansions, self.deepest - len(ctx.stack))
+    self.deepest = max(self.deepest, deepest)
+    return value
+
+
+def count_definitions(self: Expressions, number: int, span: Span, ctx: Context) -> None:
+    """So many more definitions are part of the declaration at hand; fails where those are too many."""
+    self.expansions += number
+    if self.expansions > MOST_EXPANSIONS:
+        self.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
+
+
+def _again(
+    self: Expressions, known: Made, infix: bool, span: Span, ctx: Context
+) -> typed.CalledNumber | typed.CalledFormula:
+    """What was made of the same arguments, where it is called now; it counts as often as it is written out."""
+    count_definitions(self, known.expansions, span, ctx)
+    self.deepest = max(self.deepest, len(ctx.stack) + known.depth)
+    made = known.value
+    if isinstance(made, typed.CalledNumber):
+        return typed.CalledNumber(
+            made.dimension, made.written, made.symbol, made.arguments, infix, made.body, span
+        )
+    return typed.CalledFormula(made.symbol, made.arguments, infix, made.body, span)
 
 
 def _default(self: Expressions, parameter: ast.Parameter, inner: Context) -> typed.Value:
@@ -228,7 +262,7 @@ def _body(
     infix: bool,
     span: Span,
     ctx: Context,
-) -> typed.Number | typed.Formula:
+) -> typed.CalledNumber | typed.CalledFormula:
     """What a definition comes to with these arguments: as they are, and as its body sees them."""
     given, bound = args
     local = {p.name: value for p, value in zip(item.parameters, bound)}
@@ -253,7 +287,8 @@ def check_definition(self: Expressions, symbol: typed.Symbol, item: ast.Define, 
     inner = _inside(self, symbol, {}, item.span, ctx)
     for one in item.parameters:
         if one.default is not None:
-            _argument(self, one, _default(self, one, inner), inner)
+            default = _default(self, one, inner)
+            _argument(self, one, default, default, inner)
     bound = tuple(self.all(*(partial(_open, self, p, inner) for p in item.parameters)))
     _body(self, symbol, item, ((), bound), False, item.span, ctx)
 
@@ -275,15 +310,18 @@ def _shape(self: Expressions, parameter: ast.Parameter, inner: Context) -> typed
     return shape_named(self, parameter.type, parameter.span.word(parameter.type), inner.scope)
 
 
-def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, inner: Context) -> Local:
-    """The argument as the body sees it: of the declared dimension, or through the declared shape."""
+def _argument(
+    self: Expressions, parameter: ast.Parameter, value: typed.Value, kept: typed.Value, inner: Context
+) -> Local:
+    """The argument as the body sees it: of the declared dimension, or through the declared shape; kept: the first one that says the same."""
     kind, name, span = parameter.type, parameter.name, span_of(value)
     if is_shape(kind):
         shape = _shape(self, parameter, inner)
         if isinstance(value, typed.RecordNode):
             problem = _lacking(value, shape)
             if not problem:
-                return typed.NamedRecord(shape, value.signal, name, value, kind, span)
+                assert isinstance(kept, typed.RecordNode)
+                return typed.NamedRecord(shape, value.signal, name, kept, kind, span)
         else:
             problem = _one_of(value)
         asked = f"something with {', '.join(shape)} for `{name}: {kind}`"
@@ -308,7 +346,8 @@ def _argument(self: Expressions, parameter: ast.Parameter, value: typed.Value, i
             )
         )
     self.advise(self.advice.in_unit(value, kind, f"argument `{name}`", parameter.span))
-    return typed.NamedNumber(value.dimension, value.written, name, value, span)
+    assert isinstance(kept, typed.NumberNode)
+    return typed.NamedNumber(value.dimension, value.written, name, kept, span)
 
 
 def _numeric(

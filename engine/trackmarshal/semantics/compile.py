@@ -246,7 +246,7 @@ class _Compiler:
                 self.scopes[module].incomplete = True
 
     def _context(self, module: str) -> Context:
-        return Context(self.scopes[module], {}, 0, typed.TheRun(), None, ())
+        return Context(self.scopes[module], {}, 0, typed.THE_RUN, None, ())
 
     def _own(self, module: str, kind: type[T]) -> list[T]:
         """A module's declarations of a kind; those that were declared twice too, for the errors in them."""

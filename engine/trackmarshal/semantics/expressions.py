@@ -35,6 +35,7 @@ from trackmarshal.semantics.errors import (
     WrongKind,
 )
 from trackmarshal.semantics.scope import Scope, spoken
+from trackmarshal.semantics.sharing import Shared
 from trackmarshal.semantics.values import (
     Broken,
     Local,
@@ -129,6 +130,9 @@ class Expressions:
         self.asked: set[str] = set()
         #: How many definitions were written out for the declaration at hand.
         self.expansions = 0
+        #: How many of them are around the innermost one of the definition that is being written out.
+        self.deepest = 0
+        self.shared = Shared()
 
     def attempt(self, step: Callable[[], None], span: Span) -> bool:
         """Check one declaration, or one clause: whether it has a meaning; what keeps it from one was reported."""
@@ -461,7 +465,12 @@ class Expressions:
             return self._power(expr, ctx)
         if op in typed.COMPARISONS:
             return self._comparison(expr, ctx)
-        left, right = self.all(lambda: self.number(expr.left, ctx), lambda: self.number(expr.right, ctx))
+        try:
+            left = self.number(expr.left, ctx)
+        except Poison:
+            self.number(expr.right, ctx)  # whose errors are reported as well
+            raise
+        right = self.number(expr.right, ctx)
         if op in ("*", "/"):
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
@@ -730,9 +739,9 @@ class Expressions:
         return value, seconds
 
     def axis(
-        self, domain: ast.Expr, names: tuple[str, ...], consecutive: bool, span: Span, ctx: Context
-    ) -> tuple[typed.Range, dict[str, Local]]:
-        """What a quantifier ranges over, and its variables."""
+        self, domain: ast.Expr, names: tuple[str, ...], consecutive: bool, span: Span, ctx: Context, clause: bool = False
+    ) -> tuple[typed.Range, dict[str, Local]]:  # fmt: skip
+        """What a quantifier ranges over, and its variables; clause: that of a rule, where no other one of its depth has its names."""
         value = self.value(domain, ctx)
         if not isinstance(value, typed.SignalNode) or not (value.signal.sequence or value.signal.many):
             self.fail(WrongKind(ast.span_of(domain), "a timeline or a set", value_spoken(value)))
@@ -757,19 +766,21 @@ class Expressions:
                     span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"
                 )
             )
-        return self._range(value, names, span, ctx)
+        return self._range(value, names, span, ctx, clause)
 
     def timeline(
         self, value: typed.WholeSignal, name: str, span: Span, ctx: Context
     ) -> tuple[typed.Range, dict[str, Local]]:
         """The timeline of a rule, and its variable."""
-        return self._range(value, (name,), span, ctx)
+        return self._range(value, (name,), span, ctx, True)
 
     def _range(
-        self, value: typed.WholeSignal, names: tuple[str, ...], span: Span, ctx: Context
+        self, value: typed.WholeSignal, names: tuple[str, ...], span: Span, ctx: Context, clause: bool
     ) -> tuple[typed.Range, dict[str, Local]]:
         signal = value.signal
         range_, shape = typed.Range(value, names, ctx.level, span), self._shape(signal)
+        if clause:
+            range_ = self.shared.range(range_)
         variables: dict[str, Local] = {}
         for offset, name in enumerate(names):
             if name in variables:
@@ -853,7 +864,8 @@ class Expressions:
     ) -> tuple[typed.Range | None, dict[str, Local]]:
         """The range and the variables of a quantifier; where its range has an error, none and broken variables."""
         try:
-            return self.axis(bind.domain, bind.names, bind.consecutive, bind.span.head, ctx)
+            clause = isinstance(bind, ast.Bind)
+            return self.axis(bind.domain, bind.names, bind.consecutive, bind.span.head, ctx, clause)
         except Poison:
             return None, dict.fromkeys(bind.names, Broken())
 

@@ -10,7 +10,7 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import over_run
 from trackmarshal.lowering.expressions import Lowering
-from trackmarshal.semantics.calls import MOST_EXPANSIONS
+from trackmarshal.semantics.calls import count_definitions
 from trackmarshal.semantics.errors import (
     BadValue,
     Duplicate,
@@ -19,7 +19,6 @@ from trackmarshal.semantics.errors import (
     OverRunProblem,
     Recursive,
     StateProblem,
-    TooLarge,
     UnknownField,
     UnknownReference,
     UnreachableState,
@@ -205,7 +204,7 @@ def _written_out(
     """The transitions of a machine, with what stands for its element; the errors of all of them are reported."""
     local = {} if element is None else {item.binder: element}
     stack, scope = (*ctx.stack, symbol.qualified), x.scopes[symbol.module]
-    inner = type(ctx)(scope, local, ctx.level, typed.TheRun(), None, stack)
+    inner = type(ctx)(scope, local, ctx.level, typed.THE_RUN, None, stack)
     made: list[typed.Transition] = x.all(
         *(lambda one=one: _transition(item, one, x, inner) for one in item.transitions)
     )
@@ -327,9 +326,7 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
         inside = (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
         cycle = " -> ".join(one.rpartition(".")[2] for one in inside)
         x.fail(Recursive(at, name, cycle, _WHAT_LED_THERE))
-    x.expansions += 1
-    if x.expansions > MOST_EXPANSIONS:
-        x.fail(TooLarge(ctx.site or span, f"made of more than {MOST_EXPANSIONS} definitions"))
+    count_definitions(x, 1, span, ctx)
     before = len(x.found)
     transitions = _written_out(item, symbol, element, x, ctx)
     # What is never used was told of its declaration, once; the others the rule may allow.

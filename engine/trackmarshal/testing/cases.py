@@ -106,7 +106,7 @@ class _Preparation:
         self._scope = compiled.scopes[module]
         self._x = compiled.expressions
         self._lowering = Lowering(ir.Interner())
-        self._ctx = Context(self._scope, {}, 0, typed.TheRun(), None, ())
+        self._ctx = Context(self._scope, {}, 0, typed.THE_RUN, None, ())
         self._found = found
         self._kind: type[BadGiven | BadExpectation] = BadGiven
         self._meant = Meant()

@@ -85,6 +85,7 @@ from trackmarshal.typed.numbers import (
 from trackmarshal.typed.rules import Along, Clause, Deadline, Except, ForEach, Let, Require, Rule, Whenever
 from trackmarshal.typed.symbol import Symbol
 from trackmarshal.typed.things import (
+    THE_RUN,
     AnyMember,
     Area,
     AreaNode,
@@ -134,7 +135,7 @@ from trackmarshal.typed.things import (
 Value: TypeAlias = Number | Count | Formula | WholeSignal | Record | AnyMember | Line | Area | Region
 
 __all__ = [
-    "COMPARISONS", "CONNECTIVES", "EDGES", "FOLDINGS", "STEPS", "Along", "AnyMember", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
+    "COMPARISONS", "CONNECTIVES", "EDGES", "FOLDINGS", "STEPS", "THE_RUN", "Along", "AnyMember", "Area", "AreaNode", "Arithmetic", "Boolean", "BooleanField", "Border",
     "CalledFormula", "CalledLine", "CalledNumber", "Centre", "Chained", "Changing", "Choice", "Clause", "ClearOf", "Comparing",
     "Comparison", "Connective", "Corridor", "Count", "CountComparison", "Deadline", "Edge", "Event", "Except", "Field", "Folded", "Folding", "Footprint", "FootprintAt", "ForEach", "Formula", "FormulaBranch", "FormulaCase",
     "FormulaNode", "Function", "InState", "InStretch", "InZone", "Inside", "IsMember", "Joining", "Keep", "Kept", "Lane", "LaneSide", "Let", "Line", "LineFunction", "LineNode", "Literally", "Machine", "Meets", "Member", "MemberField", "MemberNode", "NamedArea",

@@ -40,6 +40,8 @@ class TheRun(Typed):
     """The cycles of the run: what temporal operators range over in a rule without a timeline."""
 
 
+#: There is one.
+THE_RUN = TheRun()
 #: What a temporal operator ranges over: a rule's timeline, or the run.
 TimeAxis: TypeAlias = Range | TheRun
 
