@@ -85,12 +85,13 @@ class Bounds:
         #: Of another cycle, or another sample, nothing is known.
         self.nothing = Facts()
 
-    def begin(self) -> None:
-        """Begin to look at another rule."""
+    def begin(self, noted: ir.Formula | None = None) -> None:
+        """Begin to look at another rule; noted: the formula of one in which note is to be taken of tables."""
         self._left = MOST
-        self._noting = bool(self.tables)
-        # What was worked out for another rule took no note for this one.
-        self.read_at, self.nothing = {}, Facts()
+        self._noting = bool(self.tables) and noted is not None and _looks_up(noted)
+        self.read_at = {}
+        if self._noting:  # what was worked out for another rule took no note for this one
+            self.nothing = Facts()
 
     def _count(self) -> None:
         self._left -= 1

@@ -18,7 +18,7 @@ from trackmarshal.units import in_full
 
 def vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> list[Diagnostic]:
     """The first clause of a rule because of which it says nothing, outermost first; of a rule that says something, where a table has nothing to say."""
-    bounds.begin()
+    bounds.begin(core.formula)
     try:
         found = _vacuous(core, rule, bounds)
     except (TooMuchError, RecursionError):  # a warning that is not given harms nobody
