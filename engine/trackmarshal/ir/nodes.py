@@ -600,12 +600,13 @@ def below(root: AnyNode) -> Iterator[AnyNode]:
     """A node and all below it, each shared one once."""
     found = _BELOW.get(root)
     if found is None:
-        found = _BELOW[root] = tuple(islice(_walked(root), 1, None))
+        found = _BELOW[root] = tuple(islice(walked(root), 1, None))
     yield root
     yield from found
 
 
-def _walked(root: AnyNode) -> Iterator[AnyNode]:
+def walked(root: AnyNode) -> Iterator[AnyNode]:
+    """The same for whoever stops at the first that it looks for: nothing is kept."""
     seen: set[AnyNode] = set()
     stack: list[AnyNode] = [root]
     while stack:
@@ -621,6 +622,7 @@ class Interner:
 
     def __init__(self) -> None:
         self._known: dict[tuple[Any, ...], IR] = {}
+        self._depths: dict[Num | Formula, int] = {}
 
     def make(self, kind: Callable[Parts, T], *parts: Parts.args, **named: Parts.kwargs) -> T:
         """A node of a class, with all of its fields: in order, or by name."""
@@ -636,3 +638,17 @@ class Interner:
         if known is None:
             known = self._known[key] = cast("type[IR]", kind)(*whole)
         return cast("T", known)
+
+    def depth(self, root: Num | Formula) -> int:
+        """How many nodes stand in each other; iterative, since that is what may be too much."""
+        depths = self._depths
+        stack = [(root, operands(root))]
+        while stack:
+            node, parts = stack[-1]
+            waiting = [(part, operands(part)) for part in parts if part not in depths]
+            if waiting:
+                stack += waiting
+            else:
+                depths[node] = 1 + max((depths[part] for part in parts), default=0)
+                stack.pop()
+        return depths[root]

@@ -513,6 +513,6 @@ def _bounds(window: typed.Window | None) -> tuple[float | None, float | None]:
 def _of_limit(left: tuple[typed.Number, ir.Num], right: tuple[typed.Number, ir.Num]) -> str:
     """The unit in which a comparison's limit is written: that of the side which depends on no input, else of the right one."""
     for number, core in (right, left):
-        if all(isinstance(node, _FIXED) for node in ir.below(core)):
+        if all(isinstance(node, _FIXED) for node in ir.walked(core)):
             return number.written
     return right[0].written or left[0].written

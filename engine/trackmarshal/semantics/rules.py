@@ -117,7 +117,7 @@ class RuleBuilder:
         core: Lowered | None = None
         if rule is not None and not any(d.level == "error" for d in self.x.found[before:]):
             core = lower_rule(rule, self.interner)
-            if _is_deeper(core.formula, MOST_LEVELS):
+            if self.interner.depth(core.formula) > MOST_LEVELS:
                 self.x.too_deep(item.span.head)
                 return None
             self.x.found += vacuous(core, rule, self.x.bounds)
@@ -409,21 +409,6 @@ def fingerprint(item: ast.Item, formula: ir.Formula | None, course: CourseInfo |
 def _last_word(span: Span, word: str) -> Span:
     """Where the word stands that ends a clause."""
     return Span(span.file, span.end - len(word), span.end) if span.text.endswith(word) else span.head
-
-
-def _is_deeper(root: ir.Formula, most: int) -> bool:
-    """Whether more than so many nodes stand in each other; iterative, since that is what may be too much."""
-    levels: dict[ir.Num | ir.Formula, int] = {}
-    stack: list[tuple[ir.Num | ir.Formula, list[ir.Num | ir.Formula]]] = [(root, ir.operands(root))]
-    while stack:
-        node, parts = stack[-1]
-        waiting = [(part, ir.operands(part)) for part in parts if part not in levels]
-        if waiting:
-            stack += waiting
-        else:
-            levels[node] = 1 + max((levels[part] for part in parts), default=0)
-            stack.pop()
-    return levels[root] > most
 
 
 __all__ = ["SEVERITIES", "RuleBuilder", "fingerprint"]
