@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, assert_never
 
@@ -114,9 +113,7 @@ def call(
         wanted = counted(1 if item.second is None else 2)
         self.found.append(WrongArity(at, function, wanted, given(len(args)), item.span.head, comma))
         placed = None
-    values = {
-        id(arg): value for arg, value in zip(args, self.all(*(partial(self.value, arg, ctx) for arg in args)))
-    }
+    values = {id(arg): value for arg, value in zip(args, self.each(lambda arg: self.value(arg, ctx), args))}
     if placed is None:
         raise Poison
     ordered = [None if arg is None else values[id(arg)] for arg in placed]
@@ -161,7 +158,7 @@ def _declared(
         )
         self.fail(WrongKind(at, "a function", f"the {spoken(found.item)} `{function}`", hint))
     except Poison:
-        self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
+        self.each(lambda arg: self.value(arg, ctx), args)
         raise
 
 
@@ -195,11 +192,8 @@ def expand(
         self.fail(TooLarge(ctx.site or span, f"nested more than {DEEPEST} definitions deep"))
     count_definitions(self, 1, span, ctx)
     inner = _inside(self, symbol, {}, span, ctx)
-    given_ = self.all(
-        *(
-            partial(_default, self, p, inner) if v is None else lambda v=v: v
-            for p, v in zip(item.parameters, args)
-        )
+    given_ = self.each(
+        lambda one: _default(self, one[0], inner) if one[1] is None else one[1], zip(item.parameters, args)
     )
     kept = [self.shared.argument(value) for value in given_]
     place = Place(symbol.qualified, ctx.level, ctx.timeline, tuple(kept))
@@ -208,8 +202,8 @@ def expand(
         return _again(self, known_, infix, span, ctx)
     before = len(self.found), self.expansions, self.deepest
     self.deepest = len(ctx.stack)
-    bound = self.all(
-        *(partial(_argument, self, p, v, k, inner) for p, v, k in zip(item.parameters, given_, kept))
+    bound = self.each(
+        lambda one: _argument(self, one[0], one[1], one[2], inner), zip(item.parameters, given_, kept)
     )
     value = _body(self, symbol, item, (tuple(kept), tuple(bound)), infix, span, ctx)
     found, expansions, deepest = before
@@ -289,7 +283,7 @@ def check_definition(self: Expressions, symbol: typed.Symbol, item: ast.Define, 
         if one.default is not None:
             default = _default(self, one, inner)
             _argument(self, one, default, default, inner)
-    bound = tuple(self.all(*(partial(_open, self, p, inner) for p in item.parameters)))
+    bound = tuple(self.each(lambda parameter: _open(self, parameter, inner), item.parameters))
     _body(self, symbol, item, ((), bound), False, item.span, ctx)
 
 
@@ -369,7 +363,7 @@ def _numeric(
                 of_many or decimal_comma(*(arg.__dict__["span"] for arg in args)),
             )
         )
-    values = self.all(*(lambda arg=arg: self.number(arg, ctx) for arg in args))
+    values = self.each(lambda arg: self.number(arg, ctx), args)
     if not fits:
         raise Poison
     numbers: tuple[typed.Number, ...] = tuple(values)
@@ -434,12 +428,12 @@ def _special(
         comma = decimal_comma(*(arg.__dict__["span"] for arg in args))
         self.found.append(WrongArity(at, function, wanted, given(len(args)), None, comma))
     if function in typed.EDGES:
-        operands = self.all(*(lambda arg=arg: self.formula(arg, ctx) for arg in args))
+        operands = self.each(lambda arg: self.formula(arg, ctx), args)
         if not fits:
             raise Poison
         self.advise(same_everywhere(function, ctx.timeline, operands[0]))
         return typed.Edge(known(function, typed.EDGES), ctx.timeline, operands[0], span)
-    values: list[typed.Value] = self.all(*(lambda arg=arg: self.value(arg, ctx) for arg in args))
+    values: list[typed.Value] = self.each(lambda arg: self.value(arg, ctx), args)
     if not fits:
         raise Poison
     spans: list[Span] = [arg.__dict__["span"] for arg in args]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from fractions import Fraction
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
@@ -64,6 +64,8 @@ from trackmarshal.units import (
     times,
 )
 
+T = TypeVar("T")
+
 
 class Context(Node):
     """Where an expression stands: the names it sees, how deep it is nested, what its temporal operators range over."""
@@ -93,6 +95,10 @@ class Context(Node):
     def elsewhere(self, scope: Scope, span: Span) -> Context:
         """Where a declaration stands that is used here, at `span`: it sees the names of its own module."""
         return Context(scope, {}, self.level, self.timeline, self.site or span, self.stack)
+
+
+def _run(step: Callable[[], Any]) -> Any:
+    return step()
 
 
 def any_timeline(span: Span) -> typed.TimeAxis:
@@ -165,10 +171,14 @@ class Expressions:
 
     def all(self, *steps: Callable[[], Any]) -> list[Any]:
         """Run all steps, so that the errors of each are reported; then fail if one did."""
+        return self.each(_run, steps)
+
+    def each(self, step: Callable[[T], Any], given: Iterable[T]) -> list[Any]:
+        """The same of one step for each that is given."""
         values, failed = [], False
-        for step in steps:
+        for one in given:
             try:
-                values.append(step())
+                values.append(step(one))
             except Poison:
                 failed = True
         if failed:
@@ -563,7 +573,7 @@ class Expressions:
         return typed.Within(value, lower, upper, expr.span)
 
     def _chained(self, expr: ast.Chained, ctx: Context) -> typed.Formula:
-        numbers = self.all(*(lambda o=operand: self.number(o, ctx) for operand in expr.operands))
+        numbers = self.each(lambda operand: self.number(operand, ctx), expr.operands)
         self.all(
             *(
                 lambda op=op, left=left, right=right: self._compare(op, left, right, left.span.to(right.span))

@@ -147,7 +147,7 @@ class _Preparation:
                 )
 
         _, expect = self._x.all(
-            lambda: self._x.all(*(lambda e=entry: give(e) for entry in item.steps)),
+            lambda: self._x.each(give, item.steps),
             lambda: self._expectation(item.expect, rule),
         )
         if rule is None or rule.formula is None:
@@ -218,9 +218,7 @@ class _Preparation:
                 table = self._spec.tables.get(symbol.qualified)
                 if table is None:
                     raise Poison
-                rows = self._x.all(
-                    *(lambda r=row: self._pair(r, table.units) for row in self._list(entry.value))
-                )
+                rows = self._x.each(lambda row: self._pair(row, table.units), self._list(entry.value))
                 try:
                     check_table(table_in_si(table), rows)
                 except TrackmarshalError as error:
@@ -293,10 +291,10 @@ class _Preparation:
         if signal.many:
             elements = self._list(entry.value)
             with self._told_once(elements):
-                return self._x.all(*(lambda e=element: self._record(signal, e) for element in elements))
+                return self._x.each(lambda element: self._record(signal, element), elements)
         if signal.sequence:
             columns = self._columns(signal, entry.value)
-            self._x.all(*(lambda c=change: self._change(signal, columns, c) for change in entry.changes))
+            self._x.each(lambda change: self._change(signal, columns, change), entry.changes)
             return columns
         if signal.kind == "state":
             return self._record(signal, entry.value)
@@ -356,7 +354,7 @@ class _Preparation:
             field = self._field(signal, field_name, span_of(content))
             values = self._list(content)
             with self._told_once(values):
-                return self._x.all(*(lambda e=element: self._scalar(field, e) for element in values))
+                return self._x.each(lambda element: self._scalar(field, element), values)
 
         columns = self._entries(value, column)
         lengths = {len(entries) for entries in columns.values()}
@@ -421,7 +419,8 @@ class _Preparation:
         if comma:
             self.fail(call.span.word(call.function), f"`{call.function}` has a number in two parts", comma)
 
-        def argument(place: int, named: str, value: ast.Expr) -> tuple[str, float]:
+        def argument(one: tuple[int, str, ast.Expr]) -> tuple[str, float]:
+            place, named, value = one
             parameter = builder.parameters.get(named)
             takes = f"`{builder.name}` takes " + ", ".join(builder.parameters)
             if not named:
@@ -436,14 +435,7 @@ class _Preparation:
                 self.fail(span_of(value), f"`{named}` is given twice", "keep one of them")
             return named, self._number(value, parameter.unit, f"the argument `{named}`")
 
-        arguments = dict(
-            self._x.all(
-                *(
-                    lambda i=i, n=n, v=v: argument(i, n, v)
-                    for i, (n, v) in enumerate(zip(call.names, call.args))
-                )
-            )
-        )
+        arguments = dict(self._x.each(argument, zip(range(len(call.names)), call.names, call.args)))
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
         if missing:
             shown = ", ".join(f"{n}: ... {builder.parameters[n].unit}" for n in missing)
@@ -467,13 +459,13 @@ class _Preparation:
     def _entries(self, record: ast.RecordValue, read: Any) -> dict[str, Any]:
         """The entries of `{ name: value }`, each read by a function of both."""
 
-        def entry(place: int, field: str, value: ast.Expr) -> tuple[str, Any]:
+        def entry(one: tuple[int, str, ast.Expr]) -> tuple[str, Any]:
+            place, field, value = one
             if field in record.names[:place]:
                 self.fail(span_of(value), f"`{field}` is given twice", "keep one of them")
             return field, read(field, value)
 
-        entries = enumerate(zip(record.names, record.values))
-        return dict(self._x.all(*(lambda i=i, n=n, v=v: entry(i, n, v) for i, (n, v) in entries)))
+        return dict(self._x.each(entry, zip(range(len(record.names)), record.names, record.values)))
 
     def _field(self, signal: SignalType, field: str, span: Span) -> FieldType:
         kind = signal.field(field)
@@ -513,7 +505,7 @@ class _Preparation:
     def _points(self, value: ast.Expr) -> list[list[float]]:
         rows = self._list(value)
         with self._told_once(rows):
-            return self._x.all(*(lambda r=row: self._pair(r, ("m", "m")) for row in rows))
+            return self._x.each(lambda row: self._pair(row, ("m", "m")), rows)
 
     def _pair(self, value: ast.Expr, units: tuple[str, str]) -> list[float]:
         parts = self._list(value)
@@ -521,9 +513,7 @@ class _Preparation:
             entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
             hint = calls.decimal_comma(*map(span_of, parts)) or "write `[x, y]`"
             self.fail(span_of(value), f"a pair is needed here, this has {entries}", hint)
-        return self._x.all(
-            *(lambda p=part, u=unit: self._number(p, u, "this") for part, unit in zip(parts, units))
-        )
+        return self._x.each(lambda one: self._number(one[0], one[1], "this"), zip(parts, units))
 
     def _number(self, value: ast.Expr, unit: str, what: str, field: FieldType | None = None) -> float:
         """A constant of a unit's dimension, in SI; `nan` and `inf` are allowed here and only here."""
