@@ -10,6 +10,10 @@ from typing import Any
 import pytest
 
 from support.project import run_command
+from trackmarshal.backends.over_run.history import History
+from trackmarshal.backends.over_run.keeping import past
+from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.explaining.trail import Trail
 
 SPEC = """module town
 
@@ -154,3 +158,32 @@ def test_every_rule_at_every_cycle_says_something(explain: Callable[..., str]) -
         for k in range(1, len(SPEEDS), 5):
             for candidate in ("driving", "emergency"):
                 assert f"{rule}: " in explain(rule, 0.1 * k, candidate)
+
+
+@pytest.mark.parametrize(
+    ("quantifier", "objects", "verdict", "element"),
+    [
+        ("for all", [(-9.0, None), (-1.0, True)], "violated", "b"),
+        ("exists", [(9.0, None), (1.0, True)], "satisfied", "b"),
+        ("for all", [(3.0, None), (-3.0, None)], "undefined", "b"),
+        ("exists", [(-3.0, None), (3.0, None)], "undefined", "b"),
+    ],
+)
+def test_who_may_be_in_range_decides_only_where_that_is_enough(
+    quantifier: str, objects: list[tuple[float, bool | None]], verdict: str, element: str
+) -> None:
+    """As without a memory: `tests/unit/test_witness.py`."""
+    evaluator = Evaluator(
+        loads(
+            "module m\nsignal objects : set of object { v: m/s, near: bool }\n"
+            f'rule f "" {quantifier} o in objects where o.near require once o.v > 0 m/s\n'
+        )
+    )
+    given = [{"id": name, "v": v, "near": near} for name, (v, near) in zip("ab", objects)]
+    history = History([past(evaluator.spec, evaluator.read({"t": 0.0, "signals": {"objects": given}}), 0)])
+    formula = evaluator.rules[0].formula
+    assert formula is not None
+    assert history.value(formula, 0, {}).value.verdict == verdict
+    trail = Trail(history)
+    assert trail.find(formula, 0, {}) is not None
+    assert trail.binders == {"o": element}

@@ -64,6 +64,37 @@ def test_a_doubtful_range_is_named_where_the_demand_itself_is_decided(backend: s
 
 
 @both
+@pytest.mark.parametrize(
+    ("quantifier", "objects", "verdict", "element"),
+    [
+        ("for all", [(-9.0, None), (-1.0, True)], "violated", "car1"),
+        ("for all", [(1.0, None), (2.0, True)], "satisfied", "car0"),
+        ("exists", [(9.0, None), (1.0, True)], "satisfied", "car1"),
+        ("exists", [(-1.0, None), (-2.0, True)], "violated", "car0"),
+    ],
+)
+def test_who_may_be_in_range_decides_only_where_that_is_enough(
+    quantifier: str, objects: Any, verdict: str, element: str, backend: str
+) -> None:
+    rule = f"  {quantifier} o in objects where o.near\n  require o.v > 0 m/s"
+    result = decided(rule, backend, [0.0], objects=objects)
+    assert at(result) == (verdict, {"o": element}, "o.v > 0 m/s")
+    assert result.witness is not None
+    assert result.witness.margin == result.margin
+
+
+@both
+@pytest.mark.parametrize(("quantifier", "sign"), [("for all", 1.0), ("exists", -1.0)])
+def test_a_doubtful_range_is_named_only_of_whom_it_matters(
+    quantifier: str, sign: float, backend: str
+) -> None:
+    rule = f"  {quantifier} o in objects where o.near\n  require o.v > 0 m/s"
+    result = decided(rule, backend, [0.0], objects=[(3.0 * sign, None), (-3.0 * sign, None)])
+    assert at(result) == ("undefined", {"o": "car1"}, "o.near")
+    assert result.reason == "objects[car1].near is missing, or no number"
+
+
+@both
 def test_an_undefined_element_decides_only_when_no_other_one_fails(backend: str) -> None:
     rule = "  for all o in objects\n  require o.v > 0 m/s"
     assert at(decided(rule, backend, [0.0], objects=[(1.0, True), (None, True)]))[:2] == (

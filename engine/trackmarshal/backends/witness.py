@@ -209,10 +209,14 @@ class Descent:
             found = sides.first(wanted, inside, least)
             return None if found is None else (node.body, {**env, level: found})
         guard = self._values.sides(node.guard, node.axis, env)
-        found = sides.first(wanted, [i for i in inside if guard.best_sat[i]], least)
+        # By itself one decides this way; of which it is not known whether it is in range, one decides nothing, or makes all of it undefined.
+        alone = node.extreme.decisive
+        counted = guard.worst_sat if wanted == alone else guard.best_sat
+        found = sides.first(wanted, [i for i in inside if counted[i]], least)
         if found is not None:
             return node.body, {**env, level: found}
-        doubtful = guard.first("undefined", inside, least) if wanted == "undefined" else None
+        might = [i for i in inside if sides.verdict(i) == alone] if wanted == "undefined" else []
+        doubtful = guard.first("undefined", might, least)
         return None if doubtful is None else (node.guard, {**env, level: doubtful})
 
     def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:

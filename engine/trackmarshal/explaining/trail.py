@@ -124,9 +124,12 @@ class Trail:
         for name in self.history.cycles[k].ids[node.axis.signal]:
             inner = {**ids, node.axis.level: name}
             guard = TRUE if node.guard is None else self._value(node.guard, k, inner)
-            if guard.best.sat:
-                found.append((self._value(node.body, k, inner), (node.body, name)))
-            if node.guard is not None and guard.verdict == "undefined":
+            if not guard.best.sat:
+                continue
+            body = self._value(node.body, k, inner)
+            if guard.worst.sat or wanted != node.extreme.decisive:  # see `witness.Descent`
+                found.append((body, (node.body, name)))
+            if node.guard is not None and not guard.worst.sat and body.verdict == node.extreme.decisive:
                 doubtful.append((node.guard, name))
         chosen = _deciding(found, wanted, node.extreme is Extreme.LEAST)
         if chosen is None and wanted == "undefined" and doubtful:

@@ -52,6 +52,11 @@ class Extreme(Enum):
         """Whether nothing holds, and its margin: what changes nothing when it is added."""
         return (True, float("inf")) if self is Extreme.LEAST else (False, float("-inf"))
 
+    @property
+    def decisive(self) -> str:
+        """The verdict that one of many gives all of them."""
+        return "violated" if self is Extreme.LEAST else "satisfied"
+
 
 class Window(NamedTuple):
     """A temporal operator over a window: into the past or the future, and what the samples become."""
