@@ -476,6 +476,23 @@ def test_rules_without_margins_by_sample(rule: str, code: str, evaluator: tm.Eva
     assert raised.value.help
 
 
+@pytest.mark.parametrize("backend", ["reference", "numpy"])
+def test_rules_over_the_run_have_no_margins_by_sample(backend: str) -> None:
+    """Of cases by themselves; such a rule may be for all samples of each cycle."""
+    spec = tm.loads(
+        "module lasting\nevent yellow\nsignal plan : trajectory { t: s increasing, v: m/s }\n"
+        'rule lasts "x"\n  whenever once[0 s, 5 s] yellow\n  for all p in plan\n  require p.v <= 30 m/s\n'
+        'rule slow "x"\n  for all p in plan\n  require p.v <= 30 m/s\n'
+    )
+    signals = {"yellow": np.array([True, False]), "plan": {"t": np.arange(2.0), "v": np.full((2, 2), 20.0)}}
+    batch = tm.Evaluator(spec, None, backend).batch(signals)
+    assert batch.verdicts["lasts"].tolist() == ["satisfied", "inactive"]
+    with pytest.raises(tm.TrackmarshalError, match="other cycles") as raised:
+        batch.samples("lasts")
+    assert raised.value.code == "E406"
+    assert batch.samples("slow").tolist() == [[10.0, 10.0]] * 2
+
+
 # Names ----------------------------------------------------------------------------------------------------------
 
 PUBLIC = [

@@ -25,6 +25,8 @@ class Sampled:
     """
 
     def __init__(self, rule: RuleInfo) -> None:
+        if rule.over_run:
+            raise ValueError(f"`{rule.name}` speaks of other cycles, which a case by itself does not have")
         formula, self.whenever = rule.formula, list[ir.Formula]()
         while isinstance(formula, ir.Guarded):
             self.whenever.append(formula.guard)
