@@ -73,3 +73,31 @@ def test_a_variable_in_a_guard_is_not_the_sample_at_which_the_rule_is_asked(
     signals = {"plan": {"t": [0.0, 1.0], "v": [1.0, 1.0]}, "objects": objects, "ego": {"v": 5.0}}
     found = Evaluator(tm.loads(BESIDE), None, backend).case({"signals": signals}).rules["beside"]
     assert (found.verdict, found.reason) == ("undefined", reason)
+
+
+ROUND = """
+module round
+signal track : corridor { left: polyline, right: polyline }
+signal ego : state { s: m, ahead: m }
+rule behind "Not far behind, on a closed track"
+  require station_gap(track, ego.s, ego.ahead) <= 5 m
+rule sign "Whichever way round it is"
+  require sign(station_gap(track, ego.s, ego.ahead)) <= 1
+"""
+RING = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("s", "ahead", "size"), [(-1e308, 1e308, 9.0), (1e308, -1e308, 9.0), (0.0, 1e308, 0.01)]
+)
+def test_stations_beyond_all_doubles_apart_are_no_way_apart(
+    s: float, ahead: float, size: float, backend: str
+) -> None:
+    track = {side: [[x * k, y * k] for x, y in RING] for side, k in (("left", size), ("right", 2 * size))}
+    signals = {"track": {**track, "closed": True}, "ego": {"s": s, "ahead": ahead}}
+    rules = Evaluator(tm.loads(ROUND), None, backend).case({"signals": signals}).rules
+    assert rules["behind"].verdict == "undefined"
+    assert "station_gap along the middle of track" in rules["behind"].reason
+    reference = Evaluator(tm.loads(ROUND), None, "reference").case({"signals": signals}).rules
+    assert rules["sign"].verdict == reference["sign"].verdict

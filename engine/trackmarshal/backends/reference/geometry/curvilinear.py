@@ -138,7 +138,9 @@ def station_gap(points: Points | Line, s_from: float, s_to: float, closed: bool 
     gap = s_to - s_from
     if line.closed:
         length = line.stations[-1]
-        gap -= length * math.ceil(gap / length - 0.5)
+        rounds = gap / length - 0.5
+        # Of numbers beyond all tracks it may be infinite, which Python has no whole number for.
+        gap -= length * (math.ceil(rounds) if math.isfinite(rounds) else rounds)
     return gap
 
 
