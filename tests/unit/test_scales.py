@@ -59,6 +59,34 @@ def test_a_rule_of_one_dimension_keeps_its_number() -> None:
     assert spec.fingerprint != plain.fingerprint
 
 
+PLACES = """module placed
+scale m = 10 m
+scale m/s = 5 m/s
+signal ego : state { x: m, y: m, heading: rad, v: m/s, length: m, width: m }
+signal track : corridor { left: polyline, right: polyline }
+signal lanes : set of lane { left: polyline, right: polyline }
+zone box = polygon (0 m, -5 m) (100 m, -5 m) (100 m, 5 m) (0 m, 5 m)
+rule zoned "5 m" require ego in zone box and ego.v <= 20 m/s
+rule on_track "5 m" require ego in stretch(track, 10 m, 90 m) and ego.v <= 20 m/s
+rule on_lane "5 m" for all l in lanes require ego in stretch(l, 10 m, 90 m) and ego.v <= 20 m/s
+rule contained "4 m" require footprint(ego) inside track and ego.v <= 20 m/s
+rule beside "2.5 m" for all l in lanes require not (footprint(ego) meets l) and ego.v <= 20 m/s
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_all_that_lies_somewhere_is_divided_alike(backend: str) -> None:
+    """By 10 m; the speed is 4 of its scale below its limit."""
+    ego = {"x": 15.0, "y": 0.0, "heading": 0.0, "v": 0.0, "length": 4.0, "width": 2.0}
+    track = {"left": [[0.0, 5.0], [100.0, 5.0]], "right": [[0.0, -5.0], [100.0, -5.0]]}
+    lane = {"left": [[0.0, 9.0], [100.0, 9.0]], "right": [[0.0, 3.5], [100.0, 3.5]]}
+    case = {"signals": {"ego": ego, "track": track, "lanes": [lane]}}
+    rules = Evaluator(loads(PLACES), backend=backend).case(case).rules
+    wanted = {"zoned": 0.5, "on_track": 0.5, "on_lane": 0.5, "contained": 0.4, "beside": 0.25}
+    assert {name: result.margin for name, result in rules.items()} == wanted
+    assert {result.witness.unit for result in rules.values() if result.witness is not None} == {"m"}
+
+
 def test_one_is_as_none() -> None:
     spec, plain = loads(HEAD + "scale m = 1 m\n" + BOTH), loads(HEAD + "-- none\n" + BOTH)
     assert spec.rules[0].fingerprint == plain.rules[0].fingerprint

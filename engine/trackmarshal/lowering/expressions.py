@@ -172,11 +172,11 @@ class Lowering:
             case typed.Boolean():
                 return make(ir.Truth, node.value)
             case typed.InStretch():
-                return self._in_stretch(node, site)
+                return self._scaled(self._in_stretch(node, site), "m")
             case typed.Meets():
                 met = self._swept_on_lane("meets", node, site)
                 assert met is not None
-                return met
+                return self._scaled(met, "m")
             case typed.Inside() | typed.ClearOf() | typed.InZone():
                 return self._geometry(node, site)
             case typed.Temporal() | typed.Until() | typed.Step() | typed.Edge():
