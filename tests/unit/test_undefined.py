@@ -101,3 +101,52 @@ def test_stations_beyond_all_doubles_apart_are_no_way_apart(
     assert "station_gap along the middle of track" in rules["behind"].reason
     reference = Evaluator(tm.loads(ROUND), None, "reference").case({"signals": signals}).rules
     assert rules["sign"].verdict == reference["sign"].verdict
+
+
+NAMED = """
+module named
+signal plan : trajectory { t: s increasing, v: m/s }
+signal objects : set of object { v: m/s }
+rule samples "What a `let` names stands outside `for all`"
+  let least = min(o.v for o in objects else 0 m/s)
+  for all p in plan
+  require p.v <= least
+rule elements "And may be about the same set"
+  let least = min(o.v for o in objects else 0 m/s)
+  for all o in objects
+  require o.v <= least + 1 m/s
+rule nested "Or hold others"
+  let least = min(max(abs(p.v - o.v) for p in plan) for o in objects else 0 m/s)
+  for all p in plan
+  require p.v <= least
+rule roots "Of what has no value for one of them"
+  let least = min(sqrt(o.v * 1 m/s) for o in objects else 0 m/s)
+  for all p in plan
+  require p.v <= least
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("rule", "speeds", "objects", "reason"),
+    [
+        ("samples", [4.0, None], [5.0, 4.0], "plan[1].v is missing, or no number"),
+        ("samples", [4.0, 3.0], [5.0, None], "objects[1].v is missing, or no number"),
+        ("elements", [4.0, 3.0], [5.0, None], "objects[1].v is missing, or no number"),
+        ("nested", [4.0, None], [5.0, 4.0], "plan[1].v is missing, or no number"),
+        ("nested", [4.0, 3.0], [5.0, None], "objects[1].v is missing, or no number"),
+        (
+            "roots",
+            [4.0, 3.0],
+            [5.0, -4.0],
+            "`(least of sqrt((objects[..].v * 1)) over objects)` has no value",
+        ),
+    ],
+)
+def test_a_variable_beside_a_number_of_many_that_is_named_outside(
+    rule: str, speeds: list[Any], objects: list[Any], reason: str, backend: str
+) -> None:
+    """Both are one level deep, and the one is no value of the other."""
+    signals = {"plan": {"t": [0.0, 1.0], "v": speeds}, "objects": [{"v": v} for v in objects]}
+    found = Evaluator(tm.loads(NAMED), [rule], backend).case({"signals": signals}).rules[rule]
+    assert (found.verdict, found.reason) == ("undefined", reason)

@@ -7,6 +7,8 @@ from typing import Any
 import pytest
 
 from support.agreement import compiled, read, results
+from trackmarshal.backends.reference.evaluator import Reference
+from trackmarshal.explaining.numbers import numbers
 from trackmarshal.runtime.verdict import RuleResult
 
 HEAD = """
@@ -152,3 +154,46 @@ def test_an_empty_window_decides_nothing(backend: str) -> None:
     assert (result.verdict, result.witness) == ("violated", None)
     result = decided("  along trace as s\n  require always[9 s, 10 s] s.u > 0", backend, [1.0, 1.0])
     assert (result.verdict, result.witness) == ("satisfied", None)
+
+
+NAMED = """
+module made
+signal plan : trajectory { t: s increasing, v: m/s }
+signal objects : set of object { v: m/s }
+define most(limit: m/s, more: m/s = 1 m/s) -> m/s = max(p.v for p in plan where p.v <= limit else 0 m/s) + more
+rule samples "What a `let` names stands outside `for all`"
+  let least = min(o.v for o in objects else 0 m/s)
+  for all p in plan
+  require p.v <= least
+rule elements "And may be about the same set"
+  let least = min(o.v for o in objects else 0 m/s)
+  for all o in objects
+  require o.v <= least + 1 m/s
+rule called "So does what is given to a definition"
+  for all o in objects
+  require o.v <= most(min(a.v for a in objects else 0 m/s))
+"""
+
+
+@both
+@pytest.mark.parametrize(
+    ("rule", "place", "told"),
+    [
+        ("samples", ("plan", 1), [("left side", "9 m/s"), ("right side", "4 m/s"), ("plan[1].v", "9 m/s")]),
+        ("elements", ("objects", 2), [("left side", "6 m/s"), ("right side", "5 m/s"), ("objects[2].v", "6 m/s")]),
+        ("called", ("objects", 2), [("left side", "6 m/s"), ("right side", "5 m/s"), ("objects[2].v", "6 m/s")]),
+    ],
+)  # fmt: skip
+def test_a_variable_is_known_beside_a_number_of_many(
+    rule: str, place: tuple[str, int], told: list[tuple[str, str]], backend: str
+) -> None:
+    spec = compiled(NAMED)
+    signals = {"plan": {"t": [0.0, 1.0], "v": [4.0, 9.0]}, "objects": [{"v": 5.0}, {"v": 4.0}, {"v": 6.0}]}
+    cases = read(spec, [{"signals": signals}])
+    witness = results(spec, cases, backend)[0].rules[rule].witness
+    assert witness is not None
+    assert witness.at is not None
+    assert witness.places == (place,)
+    node, env = witness.at
+    shown = numbers(node, dict(env), Reference(spec, cases[0]))
+    assert [row for row in shown if not row[0].startswith("made.")] == told

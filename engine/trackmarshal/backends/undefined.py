@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import unbound
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 
@@ -26,7 +27,7 @@ _NUMBERS = (
 
 def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     """In words, what is undefined in a formula that is, for these values of its variables."""
-    parts = list(ir.below(node))
+    parts = unbound(node)
     return (
         _inputs(parts, env, frame)
         or _of_many(parts, env, frame)
@@ -35,15 +36,23 @@ def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     )
 
 
-def _of_many(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
+def _of_many(parts: Iterable[ir.AnyNode], env: Env, frame: Frame) -> str:
     """The inputs without a value of the first sample or element of many of which a number, or a condition that it hangs on, speaks."""
     for many in (part for part in parts if isinstance(part, ir.Quantify | ir.Fold)):
-        below = [part for each in (many.guard, many.body) if each is not None for part in ir.below(each)]
+        below = [part for each in (many.guard, many.body) if each is not None for part in unbound(each)]
         for index in range(frame.columns[many.axis.signal].count - many.axis.width + 1):
             found = _inputs(below, {**env, many.axis.level: index}, frame)
             if found:
                 return found
+        found = _of_many(below, _without(env, many.axis), frame)
+        if found:
+            return found
     return ""
+
+
+def _without(env: Env, axis: ir.Axis) -> Env:
+    """What variables stand for outside the scope of one, where that has no one value."""
+    return {level: at for level, at in env.items() if level != axis.level}
 
 
 def of_reads(reads: Iterable[tuple[str, str]], frame: Frame) -> str:
@@ -66,7 +75,7 @@ def of_reads(reads: Iterable[tuple[str, str]], frame: Frame) -> str:
     return _listed(found) or "something that it reads has no value"
 
 
-def _inputs(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
+def _inputs(parts: Iterable[ir.AnyNode], env: Env, frame: Frame) -> str:
     """The inputs below a formula that have no value."""
     found: dict[str, str] = {}
     for part in parts:
@@ -91,7 +100,7 @@ def _inputs(parts: list[ir.AnyNode], env: Env, frame: Frame) -> str:
     return _listed([f"{name} {problem}" for name, problem in sorted(found.items())])
 
 
-def _lines(parts: list[ir.AnyNode], frame: Frame) -> str:
+def _lines(parts: Iterable[ir.AnyNode], frame: Frame) -> str:
     """The trajectories of which a formula reads the path, and that have none."""
     found = set()
     for part in parts:
@@ -134,20 +143,14 @@ def _operation(root: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
 
     values = Reference(spec, frame)
     found: dict[str, None] = {}
-    for part in ir.below(root):
+    for part in unbound(root):
         if not isinstance(part, _NUMBERS) or isinstance(part, ir.Choose):
             continue
-        try:
-            if math.isfinite(values.number(part, env)):
-                continue
-            below = [child for child in _parts_of(part) if isinstance(child, _NUMBERS)]
-            if all(math.isfinite(values.number(child, env)) for child in below):
-                found[f"`{_short(part, env, frame)}`{_with(part, env, values)} has no value"] = None
-        except (
-            KeyError,
-            IndexError,
-        ):  # of a variable that is bound inside this expression, there is no one value
+        if math.isfinite(values.number(part, env)):
             continue
+        below = [child for child in _parts_of(part) if isinstance(child, _NUMBERS)]
+        if all(math.isfinite(values.number(child, env)) for child in below):
+            found[f"`{_short(part, env, frame)}`{_with(part, env, values)} has no value"] = None
     if found:
         return _listed(sorted(found))
     return f"`{' '.join(root.span.text.split())}` has no value" if hasattr(root, "span") else ""
@@ -163,7 +166,7 @@ def _parts_of(part: ir.Num) -> Iterable[object]:
 def _with(part: ir.Num, env: Env, values: Reference) -> str:
     """The numbers in an expression, where it is more than a number of the input."""
     leaves = {}
-    for leaf in ir.below(part):
+    for leaf in unbound(part):
         if isinstance(leaf, ir.Column | ir.Sample | ir.Scalar | ir.Param):
             leaves[_called(leaf, env, values.frame)] = values.number(leaf, env)
     shown = _listed([f"{name} = {value:.6g}" for name, value in sorted(leaves.items())])
@@ -247,7 +250,9 @@ def _text(node: ir.Num, env: Env, frame: Frame) -> str:
         case ir.Ordinal():
             return f"the number of one of {node.axis.signal}"
         case ir.Fold():
-            return f"({node.op} of {of(node.body)} over {node.axis.signal})"
+            return (
+                f"({node.op} of {_text(node.body, _without(env, node.axis), frame)} over {node.axis.signal})"
+            )
         case _:
             assert_never(node)
 

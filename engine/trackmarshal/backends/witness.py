@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol, assert_never
 
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
+from trackmarshal.ir.overrun import unbound
 from trackmarshal.runtime.frame import Columns
 from trackmarshal.runtime.kleene import UNDEFINED
 from trackmarshal.runtime.timeline import measured
@@ -95,7 +96,7 @@ class Descent:
         while node is not None:
             step = self._step(node, env)
             if isinstance(step, Witness):
-                self.decisive = (node, scope(node, env))
+                self.decisive = (node, env)
                 return step
             if step is None:
                 return None
@@ -164,8 +165,8 @@ class Descent:
                     binders[name] = self._values.name(axis, env[level] + offset)
         unit = node.unit if isinstance(node, ir.Compare) else "1" if isinstance(node, ir.Flag) else "m"
         shown = node.shown if isinstance(node, ir.Compare) else ""
-        margin, own = self._truth(node, env).margin, scope(node, env)
-        return Witness(binders, margin, unit, node.span, shown, _places(node, own), (node, own))
+        margin = self._truth(node, env).margin
+        return Witness(binders, margin, unit, node.span, shown, _places(node, env), (node, env))
 
     def _pick(self, node: ir.Connective, env: Env, extreme: Extreme) -> tuple[ir.Formula, Env] | None:
         """The side with the verdict of the whole and the deciding margin; of equal ones the first that is about an input."""
@@ -264,22 +265,10 @@ class Descent:
         return None if before is None else (node.left, {**env, level: before})
 
 
-def scope(node: ir.Formula, env: Env) -> Env:
-    """The variables that a formula stands among. One bound inside it may have the level of a timeline beside which it is asked, as in a guard
-    of a rule along that: the timeline's sample is no value of it."""
-    inside = _binds(node)
-    return env if inside.isdisjoint(env) else {level: at for level, at in env.items() if level not in inside}
-
-
-@lru_cache(maxsize=4096)
-def _binds(node: ir.Formula) -> frozenset[int]:
-    return frozenset(part.axis.level for part in ir.below(node) if isinstance(part, ir.Quantify | ir.Fold))
-
-
 def _places(node: ir.Formula, env: Env) -> tuple[tuple[str, int], ...]:
     """The samples and elements that a comparison reads, by signal and number (-1: the last), in order."""
     bound, fixed = _reads(node)
-    found = {(signal, max(0, env[level] + offset)) for signal, level, offset in bound if level in env}
+    found = {(signal, max(0, env[level] + offset)) for signal, level, offset in bound}
     return tuple(sorted(found | fixed))
 
 
@@ -288,7 +277,7 @@ def _reads(node: ir.Formula) -> tuple[set[tuple[str, int, int]], set[tuple[str, 
     """What a comparison reads: signal, level of the axis, offset; and what stands at one place, signal and number."""
     bound: set[tuple[str, int, int]] = set()
     fixed: set[tuple[str, int]] = set()
-    for part in ir.below(node):
+    for part in unbound(node):
         match part:
             case ir.Column():
                 bound.add((part.axis.signal, part.axis.level, part.offset))

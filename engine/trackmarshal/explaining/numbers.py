@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import outside_machines, sets
+from trackmarshal.ir.overrun import unbound
 from trackmarshal.ir.spec import Called, RuleInfo, Spec
 from trackmarshal.units import beside, parse_unit, show
 
@@ -30,15 +30,13 @@ def numbers(
     if isinstance(node, ir.Compare) and node.op != "is":
         _, left, right = node.written
         for name, side in (("left side", left), ("right side", right)):
-            if _levels(side) <= env.keys():  # which one is the nearest may be asked of nobody in particular
+            if not isinstance(side, ir.Ordinal):  # of which one is the nearest
                 rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
     called = {one.node: one for one in names if one.own}
     leaves: dict[str, str] = {}
-    for part, levels in _parts(node):
-        if not levels <= env.keys():
-            continue  # of a number of many: there are many
+    for part in unbound(node):
         told = _leaf(part, env, values)
         unit = "1" if told is None else _unit(part, values.spec, kept or {})
         if told is None and part in called and isinstance(part, ir.Num):
@@ -47,20 +45,6 @@ def numbers(
         if told is not None:
             leaves[told[0]] = _member(part, values.spec, told[1]) or measured(told[1], unit)
     return rows + sorted(leaves.items())
-
-
-@lru_cache(maxsize=1024)
-def _parts(node: ir.Formula) -> tuple[tuple[ir.AnyNode, frozenset[int]], ...]:
-    """What a comparison is made of, each with the levels of the variables that it is of."""
-    return tuple(
-        (part, _levels(part) if isinstance(part, ir.Num) else frozenset()) for part in outside_machines(node)
-    )
-
-
-@lru_cache(maxsize=4096)
-def _levels(part: ir.Num) -> frozenset[int]:
-    """The levels of the variables that a number is of."""
-    return frozenset(axis.level for axis in sets(part))
 
 
 def kept_units(rule: RuleInfo) -> dict[str, str]:

@@ -135,7 +135,7 @@ def leaves(
 _ABOUT = (ir.Column, ir.Flag, ir.Ordinal, ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.Machine)
 
 
-def sets(node: ir.Formula | ir.Num | ir.Machine) -> tuple[ir.Axis, ...]:
+def sets(node: ir.AnyNode) -> tuple[ir.Axis, ...]:
     """The axes of variables that are free in a formula, the outermost first."""
     found = _SETS.get(node)
     if found is None:  # asked in every cycle
@@ -156,15 +156,48 @@ def _free(root: ir.AnyNode) -> set[ir.Axis]:
         if part in seen:
             continue
         seen.add(part)
-        if isinstance(part, (ir.Fold, ir.Quantify, ir.At)):
-            within = (part.operand,) if isinstance(part, ir.At) else (part.guard, part.body)
-            found |= {axis for each in within if each is not None for axis in _free(each)} - {part.axis}
-            stack += [part.otherwise] if isinstance(part, ir.Fold) and part.otherwise is not None else []
-            continue
         if isinstance(part, _ABOUT) and part.axis is not None:
             found.add(part.axis)
-        stack += [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
+        axis, within, beside = _scope(part)
+        found |= {free for each in within for free in _free(each)} - {axis}
+        stack += beside
     return found
+
+
+def _scope(part: ir.AnyNode) -> tuple[ir.Axis | None, list[ir.AnyNode], list[ir.AnyNode]]:
+    """The axis of the variable that a node binds, what is directly below it within the scope of that, and what is beside it."""
+    match part:
+        case ir.At():
+            return part.axis, [part.operand], []
+        case ir.Quantify():
+            return part.axis, [each for each in (part.guard, part.body) if each is not None], []
+        case ir.Fold():
+            within: list[ir.AnyNode] = [each for each in (part.guard, part.body) if each is not None]
+            return part.axis, within, [] if part.otherwise is None else [part.otherwise]
+        case _:
+            return None, [], [child for child in part.children() if isinstance(child, ir.IR)]  # type: ignore[misc]
+
+
+@lru_cache(maxsize=4096)
+def unbound(root: ir.Formula | ir.Num) -> tuple[ir.AnyNode, ...]:
+    """A formula and all below it, each once, but for what decides the states that machines are in, and for what is about a variable that is bound inside.
+
+    Such a one may have the level of a variable that the formula is about, as where a `let` before `for all` names a number of many.
+    """
+    found: dict[ir.AnyNode, None] = {}
+    seen: set[tuple[ir.AnyNode, frozenset[ir.Axis]]] = set()
+    stack: list[tuple[ir.AnyNode, frozenset[ir.Axis]]] = [(root, frozenset())]
+    while stack:
+        part, bound = stack.pop()
+        if (part, bound) in seen or isinstance(part, ir.Machine):
+            continue
+        seen.add((part, bound))
+        if bound.isdisjoint(sets(part)):
+            found[part] = None
+        axis, within, beside = _scope(part)
+        stack += [(each, bound if axis is None else bound | {axis}) for each in within]
+        stack += [(each, bound) for each in beside]
+    return tuple(found)
 
 
 @lru_cache(maxsize=4096)
