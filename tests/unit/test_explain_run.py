@@ -187,3 +187,27 @@ def test_who_may_be_in_range_decides_only_where_that_is_enough(
     trail = Trail(history)
     assert trail.find(formula, 0, {}) is not None
     assert trail.binders == {"o": element}
+
+
+def test_what_comes_before_a_cycle_that_may_start_a_count_anew_counts_perhaps() -> None:
+    evaluator = Evaluator(
+        loads(
+            "module m\nsignal ego : state { v: m/s, w: m/s }\n"
+            'rule f "" require count(ego.v >= 0 m/s, reset: ego.w / ego.v > 1) <= 2\n'
+        )
+    )
+    speeds = [(0.0, 5.0, 1.0), (1.0, 0.0, 0.0), (2.0, 5.0, 1.0)]  # 0 / 0 is undefined
+    history = History(
+        [
+            past(evaluator.spec, evaluator.read({"t": t, "signals": {"ego": {"v": v, "w": w}}}), 0)
+            for t, v, w in speeds
+        ]
+    )
+    formula = evaluator.rules[0].formula
+    assert formula is not None
+    assert history.value(formula, 2, {}).value.verdict == "undefined"
+    trail = Trail(history)
+    assert trail.find(formula, 2, {}) is None
+    assert trail.said == [
+        "count(ego.v >= 0 m/s, reset: ego.w / ego.v > 1) <= 2: 2 (1 s, 2 s, and perhaps in 1 more), to be compared with 2"
+    ]

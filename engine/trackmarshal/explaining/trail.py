@@ -203,15 +203,16 @@ class Trail:
         if self._placeless(node, k, ids):
             return
         sure: list[int] = []
-        doubtful = 0
+        doubtful, surely_on = 0, True
         for one in self.history.elements(node, k, ids):
             counted, *resets = one.values
-            if one.inside and counted.worst.sat and one.place is not None:
+            if one.inside and counted.worst.sat and one.place is not None and surely_on:
                 sure.append(self.history.cycles[one.place].t)
             elif one.inside and counted.best.sat:
                 doubtful += one.cycles
             if any(reset.worst.sat for reset in resets):
                 break
+            surely_on = surely_on and not any(reset.best.sat for reset in resets)
         limit = self.history.cycles[k].number(node.limit)
         times = ", ".join(map(at, reversed(sure))) or "in none"
         more = f", and perhaps in {doubtful} more" if doubtful else ""
