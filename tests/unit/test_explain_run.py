@@ -189,25 +189,41 @@ def test_who_may_be_in_range_decides_only_where_that_is_enough(
     assert trail.binders == {"o": element}
 
 
+def told(formula: str, *speeds: tuple[float, float, float]) -> tuple[str, list[str]]:
+    """The verdict of a formula about the last of some cycles, of their stamps and two speeds, and what is said of its operators."""
+    rule = f'rule f "" require {formula}\n'
+    evaluator = Evaluator(loads("module m\nsignal ego : state { v: m/s, w: m/s }\n" + rule))
+    read = (evaluator.read({"t": t, "signals": {"ego": {"v": v, "w": w}}}) for t, v, w in speeds)
+    history = History([past(evaluator.spec, frame, 0) for frame in read])
+    made = evaluator.rules[0].formula
+    assert made is not None
+    trail, last = Trail(history), len(speeds) - 1
+    trail.find(made, last, {})
+    return history.value(made, last, {}).value.verdict, trail.said
+
+
+#: In the cycle at 1 s, w / v is 0 / 0, which is undefined.
+CYCLES = (0.0, 5.0, 1.0), (1.0, 0.0, 0.0), (2.0, 5.0, 1.0)
+
+
 def test_what_comes_before_a_cycle_that_may_start_a_count_anew_counts_perhaps() -> None:
-    evaluator = Evaluator(
-        loads(
-            "module m\nsignal ego : state { v: m/s, w: m/s }\n"
-            'rule f "" require count(ego.v >= 0 m/s, reset: ego.w / ego.v > 1) <= 2\n'
-        )
-    )
-    speeds = [(0.0, 5.0, 1.0), (1.0, 0.0, 0.0), (2.0, 5.0, 1.0)]  # 0 / 0 is undefined
-    history = History(
-        [
-            past(evaluator.spec, evaluator.read({"t": t, "signals": {"ego": {"v": v, "w": w}}}), 0)
-            for t, v, w in speeds
-        ]
-    )
-    formula = evaluator.rules[0].formula
-    assert formula is not None
-    assert history.value(formula, 2, {}).value.verdict == "undefined"
-    trail = Trail(history)
-    assert trail.find(formula, 2, {}) is None
-    assert trail.said == [
-        "count(ego.v >= 0 m/s, reset: ego.w / ego.v > 1) <= 2: 2 (1 s, 2 s, and perhaps in 1 more), to be compared with 2"
-    ]
+    counted = "count(ego.v >= 0 m/s, reset: ego.w / ego.v > 1) <= 2"
+    said = f"{counted}: 2 (1 s, 2 s, and perhaps in 1 more), to be compared with 2"
+    assert told(counted, *CYCLES) == ("undefined", [said])
+
+
+@pytest.mark.parametrize(
+    ("formula", "verdict", "said"),
+    [
+        ("once[0 s, 9 s] ego.w / ego.v > 1", "undefined", "by the cycle at 1 s"),
+        ("historically[0 s, 9 s] ego.w / ego.v < 1", "undefined", "by the cycle at 1 s"),
+        (
+            "once[0 s, 9 s] ego.v > 5 m/s",
+            "violated",
+            "the same in all 3 cycles from 0 s to 2 s, nearest to its limit at 2 s",
+        ),
+        ("once[0 s, 9 s] ego.v > 4 m/s", "satisfied", "by the cycle at 2 s"),
+    ],
+)
+def test_one_cycle_without_a_value_is_not_all_of_them(formula: str, verdict: str, said: str) -> None:
+    assert told(formula, *CYCLES) == (verdict, [f"{formula}: {said}"])

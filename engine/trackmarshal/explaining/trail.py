@@ -163,7 +163,8 @@ class Trail:
             case "once" | "eventually" | "historically" | "always":
                 every = node.op in ("historically", "always")
                 chosen = _deciding([(one.values[0], one) for one in inside], wanted, every)
-                return self._at(node, 0, chosen, inside, ids, (wanted == "satisfied") == every)
+                of_all = wanted == ("satisfied" if every else "violated")
+                return self._at(node, 0, chosen, inside, ids, of_all)
             case "since" | "until":
                 side, chosen = _of_two(given, wanted)
                 return self._at(node, side, chosen, inside, ids, False)
