@@ -150,3 +150,36 @@ def test_a_variable_beside_a_number_of_many_that_is_named_outside(
     signals = {"plan": {"t": [0.0, 1.0], "v": speeds}, "objects": [{"v": v} for v in objects]}
     found = Evaluator(tm.loads(NAMED), [rule], backend).case({"signals": signals}).rules[rule]
     assert (found.verdict, found.reason) == ("undefined", reason)
+
+
+GAPS = """
+module gaps
+signal ego : state { v: m/s }
+signal plan : trajectory { t: s increasing, v: m/s }
+event flag
+course driven = ego for 5 s then plan
+rule own "Of what was driven"
+  along driven as c
+  require historically[0 s, 2 s] c.v <= 20 m/s
+rule now "Of what is no part of it"
+  along driven as c
+  require historically[0 s, 2 s] flag
+rule counted "Of how often it was so"
+  along driven as c
+  require count(c.v > 0 m/s, last: 2 s) <= 2
+"""
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy"])
+@pytest.mark.parametrize("rule", ["own", "now", "counted"])
+def test_missing_cycles_are_no_missing_input(rule: str, backend: str) -> None:
+    evaluator = Evaluator(tm.loads(GAPS), [rule], backend)
+    run = evaluator.over_run()
+    plan = {"t": [0.0, 1.0], "v": [1.0, 1.0]}
+    signals = {"ego": {"v": 1.0}, "plan": plan, "flag": True}
+    assert run.step(evaluator.read({"t": 0.0, "signals": signals})).safe
+    run.missed()
+    run.missed()
+    found = run.step(evaluator.read({"t": 1.0, "signals": signals})).rules[rule]
+    assert found.verdict == "undefined"
+    assert found.reason == "driven[-1]: 2 cycles are missing there, and nothing is known of them"

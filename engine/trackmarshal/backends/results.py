@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from trackmarshal.backends.undefined import of_reads, why
+from trackmarshal.backends.undefined import in_gap, of_gaps, of_reads, why
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import MIXED, undecided
@@ -179,13 +179,16 @@ def rule_result(
 
 
 def _why(rule: RuleInfo, frame: Frame, values: CaseValues, descent: Descent) -> str:
-    """Why a rule that could be computed is undefined: an area that is none, an input without a value, or an operation on some that have one."""
+    """Why a rule that could be computed is undefined: cycles that are missing, an area that is none, an input without a value, or an operation on
+    some that have one."""
     assert rule.formula is not None
+    if descent.gap is not None:
+        return in_gap(*descent.gap, frame)
     unusable = values.geometry_fault(rule.formula)
     if unusable:
         return unusable
     if descent.decisive is None:
-        return of_reads(rule.reads, frame)
+        return of_gaps(rule.along, frame) or of_reads(rule.reads, frame)
     return why(*descent.decisive, values.spec, frame)
 
 

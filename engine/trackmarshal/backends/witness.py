@@ -88,15 +88,17 @@ class Descent:
         self._axes: dict[int, ir.Axis] = {}
         #: The deciding comparison that was found last, and where it was evaluated.
         self.decisive: tuple[ir.Formula, Env] | None = None
+        #: Where that was in a gap of a timeline: which, and the number of the sample.
+        self.gap: tuple[str, int] | None = None
 
     def find(self, node: ir.Formula | None, env: Env | None = None) -> Witness | None:
         """The witness of a formula, for what its variables stand for; None where nothing decides (an empty range, a constant)."""
-        self._names, self._axes, self.decisive = {}, {}, None
+        self._names, self._axes, self.decisive, self.gap = {}, {}, None, None
         env = dict(env or {})
         while node is not None:
             step = self._step(node, env)
             if isinstance(step, Witness):
-                self.decisive = (node, env)
+                self.decisive, self.gap = (node, env), self._in_gap(env)
                 return step
             if step is None:
                 return None
@@ -148,11 +150,15 @@ class Descent:
 
     def _truth(self, node: ir.Formula, env: Env) -> Truth:
         """The value of a formula; in a gap nothing is known, whatever it comes to there."""
+        return self._values.truth(node, env) if self._in_gap(env) is None else UNDEFINED
+
+    def _in_gap(self, env: Env) -> tuple[str, int] | None:
+        """The timeline of which a variable stands for a gap, and which; None where none does."""
         for level, axis in self._axes.items():
             joined = self._values.columns(axis).joined
             if joined is not None and env.get(level) in joined.gaps:
-                return UNDEFINED
-        return self._values.truth(node, env)
+                return axis.signal, env[level]
+        return None
 
     def _verdict(self, node: ir.Formula, env: Env) -> str:
         return self._truth(node, env).verdict
