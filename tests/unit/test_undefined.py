@@ -156,6 +156,7 @@ GAPS = """
 module gaps
 signal ego : state { v: m/s }
 signal plan : trajectory { t: s increasing, v: m/s }
+signal objects : set of object { v: m/s }
 event flag
 course driven = ego for 5 s then plan
 rule own "Of what was driven"
@@ -167,19 +168,59 @@ rule now "Of what is no part of it"
 rule counted "Of how often it was so"
   along driven as c
   require count(c.v > 0 m/s, last: 2 s) <= 2
+rule everybody "Of many"
+  along driven as c
+  require historically[0 s, 2 s] (for all o in objects: o.v > c.v)
 """
 
 
 @pytest.mark.parametrize("backend", ["reference", "numpy"])
-@pytest.mark.parametrize("rule", ["own", "now", "counted"])
+@pytest.mark.parametrize("rule", ["own", "now", "counted", "everybody"])
 def test_missing_cycles_are_no_missing_input(rule: str, backend: str) -> None:
     evaluator = Evaluator(tm.loads(GAPS), [rule], backend)
     run = evaluator.over_run()
     plan = {"t": [0.0, 1.0], "v": [1.0, 1.0]}
-    signals = {"ego": {"v": 1.0}, "plan": plan, "flag": True}
+    signals = {"ego": {"v": 1.0}, "plan": plan, "flag": True, "objects": [{"v": 2.0}]}
     assert run.step(evaluator.read({"t": 0.0, "signals": signals})).safe
     run.missed()
     run.missed()
     found = run.step(evaluator.read({"t": 1.0, "signals": signals})).rules[rule]
     assert found.verdict == "undefined"
     assert found.reason == "driven[-1]: 2 cycles are missing there, and nothing is known of them"
+
+
+COUNTS = """
+module counts
+signal trace : series { t: s increasing, v: m/s, w: m/s }
+rule roots "Of what has no value"
+  along trace as s at last
+  require count(sqrt(s.v * 1 m/s) > 0 m/s, last: 1 s) <= 1
+rule anew "Of where it starts anew"
+  along trace as s at last
+  require count(s.v > -9 m/s, reset: s.w / s.w > 2) <= 2
+rule nested "Of many counts"
+  along trace as s
+  require always count(sqrt(s.w * 1 m/s) > 1 m/s) <= 1
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("rule", "v", "w", "sample", "reason"),
+    [
+        # The sample at 0 s is out of the window.
+        ("roots", [-1.0, 4.0, -4.0, 4.0], [1.0] * 4, 2, "`sqrt((trace[2].v * 1))` with trace[2].v = -4 has no value"),
+        # 0 / 0 is undefined.
+        ("anew", [1.0] * 4, [1.0, 1.0, 0.0, 1.0], 2, "`trace[2].w / trace[2].w` with trace[2].w = 0 has no value"),
+        ("nested", [1.0] * 4, [4.0, -1.0, 1.0, 1.0], 1, "`sqrt((trace[1].w * 1))` with trace[1].w = -1 has no value"),
+    ],
+)  # fmt: skip
+def test_the_sample_that_leaves_a_count_unknown(
+    rule: str, v: list[float], w: list[float], sample: int, reason: str, backend: str
+) -> None:
+    signals = {"trace": {"t": [0.0, 1.0, 2.0, 3.0], "v": v, "w": w}}
+    found = Evaluator(tm.loads(COUNTS), [rule], backend).case({"signals": signals}).rules[rule]
+    assert found.verdict == "undefined"
+    assert found.witness is not None
+    assert found.witness.binders == {"s": sample}
+    assert found.reason == reason

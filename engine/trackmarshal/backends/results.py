@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
-from trackmarshal.backends.undefined import in_gap, of_gaps, of_reads, why
+from trackmarshal.backends.undefined import in_gap, of_reads, why
 from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import MIXED, undecided
@@ -188,7 +188,7 @@ def _why(rule: RuleInfo, frame: Frame, values: CaseValues, descent: Descent) -> 
     if unusable:
         return unusable
     if descent.decisive is None:
-        return of_gaps(rule.along, frame) or of_reads(rule.reads, frame)
+        return of_reads(rule.reads, frame)
     return why(*descent.decisive, values.spec, frame)
 
 

@@ -44,14 +44,6 @@ def in_gap(signal: str, index: int, frame: Frame) -> str:
     return f"{signal}[{columns.name(index)}]: {cycles} missing there, and nothing is known of them"
 
 
-def of_gaps(axis: ir.Axis | None, frame: Frame) -> str:
-    """The same of a rule along a timeline of which no single comparison decides: its gaps; empty where it has none."""
-    joined = None if axis is None else frame.columns[axis.signal].joined
-    if axis is None or joined is None:
-        return ""
-    return _listed([in_gap(axis.signal, index, frame) for index in joined.gaps])
-
-
 def _of_many(parts: Iterable[ir.AnyNode], env: Env, frame: Frame) -> str:
     """The inputs without a value of the first sample or element of many of which a number, or a condition that it hangs on, speaks."""
     for many in (part for part in parts if isinstance(part, ir.Quantify | ir.Fold)):

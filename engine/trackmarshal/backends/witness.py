@@ -88,7 +88,7 @@ class Descent:
         self._axes: dict[int, ir.Axis] = {}
         #: The deciding comparison that was found last, and where it was evaluated.
         self.decisive: tuple[ir.Formula, Env] | None = None
-        #: Where that was in a gap of a timeline: which, and the number of the sample.
+        #: Where the way there led into a gap of a timeline: which, and the number of the sample.
         self.gap: tuple[str, int] | None = None
 
     def find(self, node: ir.Formula | None, env: Env | None = None) -> Witness | None:
@@ -96,9 +96,10 @@ class Descent:
         self._names, self._axes, self.decisive, self.gap = {}, {}, None, None
         env = dict(env or {})
         while node is not None:
+            self.gap = self.gap or self._in_gap(env)
             step = self._step(node, env)
             if isinstance(step, Witness):
-                self.decisive, self.gap = (node, env), self._in_gap(env)
+                self.decisive = (node, env)
                 return step
             if step is None:
                 return None
@@ -106,7 +107,7 @@ class Descent:
         return None
 
     def _step(self, node: ir.Formula, env: Env) -> Witness | tuple[ir.Formula, Env] | None:
-        if isinstance(node, (ir.Temporal, ir.Until, ir.Shift, ir.At, ir.Quantify)):
+        if isinstance(node, (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.Quantify)):
             self._axes[node.axis.level] = node.axis
         match node:
             case ir.Compare() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
@@ -143,7 +144,9 @@ class Descent:
                     if self._outside(node, env)
                     else (node.operand, {**env, level: env[level] + node.step})
                 )
-            case ir.OverRun() | ir.Counted() | ir.Tallied() | ir.InState():
+            case ir.Tallied():
+                return self._tallied(node, env)
+            case ir.OverRun() | ir.Counted() | ir.InState():
                 return None
             case _:
                 assert_never(node)
@@ -226,7 +229,7 @@ class Descent:
         doubtful = guard.first("undefined", might, least)
         return None if doubtful is None else (node.guard, {**env, level: doubtful})
 
-    def _window(self, node: ir.Temporal | ir.Until, env: Env) -> range:
+    def _window(self, node: ir.Temporal | ir.Until | ir.Tallied, env: Env) -> range:
         begins, ends, low, high = measured(self._values.columns(node.axis), node.lower, node.upper)
         t, k = begins.tolist(), env[node.axis.level]
         e = t if ends is None else ends.tolist()
@@ -235,6 +238,22 @@ class Descent:
             return range(start, k + 1 if not low else bisect_right(t, t[k] - low))
         stop = len(t) if high is None else bisect_right(t, t[k] + high)
         return range(k if not low else bisect_left(e, t[k] + low), stop)
+
+    def _tallied(self, node: ir.Tallied, env: Env) -> tuple[ir.Formula, Env] | None:
+        """Of a count that is not known, the last sample of which it is not known whether it counts, or else whether the count starts anew with it; of any
+        other count, no single sample decides."""
+        if self._verdict(node, env) != "undefined":
+            return None
+        window, asked = self._window(node, env), [node.counted]
+        if node.reset is not None:
+            anew = self._values.sides(node.reset, node.axis, env).worst_sat
+            window = range(next((j for j in reversed(window) if anew[j]), window.start), window.stop)
+            asked.append(node.reset)
+        for operand in asked:
+            found = self._values.sides(operand, node.axis, env).first("undefined", reversed(window), True)
+            if found is not None:
+                return operand, {**env, node.axis.level: found}
+        return None
 
     def _until(self, node: ir.Until, env: Env) -> tuple[ir.Formula, Env] | None:
         """At the sample of the window that decides, the right side or, where it was not held until then, the left one."""

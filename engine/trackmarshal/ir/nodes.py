@@ -463,6 +463,9 @@ class Tallied(IR):
     turned: bool
     span: Span
 
+    past: ClassVar[bool] = True
+    lower: ClassVar[None] = None
+
 
 class At(IR):
     """The value at the sample of a timeline at which a rule is judged: the first one, the last one, or the one that is now."""
