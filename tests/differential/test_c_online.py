@@ -177,6 +177,26 @@ def test_memory_does_not_grow_with_the_timeline() -> None:
     assert outcomes["margin"].tolist() == series[1]
 
 
+def test_a_sample_before_or_after_takes_no_more_room_with_every_sample() -> None:
+    """A monitor that asks for the one before went undefined with the sample that filled its memory, however old the others were."""
+    texts = ("rising(p.hot)", "(next (p.p > 0))", "once[0 s, 0.2 s] (weak previous (p.p > 0))")
+    rules = "".join(
+        f'rule r{i} "made up"\n  along log as p\n  require {text}\n' for i, text in enumerate(texts)
+    )
+    spec, n = compiled(HEAD + rules), 100
+    p = np.where(np.arange(n) % 7 < 3, 1.0, -1.0)
+    log = {"t": np.arange(n) * 0.1, "p": p, "hot": (p > 0).astype(np.int8)}
+    before, after = np.roll(p, 1) > 0, np.roll(p, -1) > 0
+    before[0], after[-1] = False, False
+    lately = before | np.roll(before, 1) | np.roll(before, 2)
+    lately[:3] = True  # nothing is before the first, which is weak
+    wanted = [(p > 0) & ~before, after, lately]
+    monitors = Monitors(spec, spec.rules, 16)
+    for i, holds in enumerate(wanted):
+        verdicts = monitors.run(f"r{i}", log)[0]["verdict"]
+        assert (verdicts == 0).tolist() == holds.tolist(), texts[i]
+
+
 @pytest.mark.parametrize(
     ("formula", "why"),
     [("p.p > 0 and eventually (p.q > 0)", "upper bound"), ("p.p > log.first.p", "present sample"),

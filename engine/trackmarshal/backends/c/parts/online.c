@@ -228,6 +228,7 @@ static void tm_online_shift(tm_flow *f, size_t have, bool finished, bool ahead, 
     const size_t from = outside ? 0u : tm_ring(ahead ? (f->next + 1u) : (f->next - 1u));
     y->sat[tm_ring(f->next)] = outside ? weak : x->sat[from];
     y->margin[tm_ring(f->next)] = (outside ? (weak ? TM_INF : -TM_INF) : x->margin[from]) + 0.0;
+    f->begin = f->next; /* what comes next may ask for this one */
     ++f->next;
   }
 }
