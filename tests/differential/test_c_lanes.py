@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import random
 import subprocess
+import threading
 from collections import Counter
 from dataclasses import asdict, replace
 from functools import cache
@@ -140,6 +141,44 @@ def test_all_that_can_be_wrong_came() -> None:
                 name_of(f) for f in box.step(Cycle(0, 0.0, plan, plan, {"ego": ego, "lanes": given})).faults
             }
     assert {"bad_border", "over_capacity", "missing", "out_of_range", "wrong_type", "duplicate"} <= seen
+
+
+def test_two_in_two_threads_have_lanes_of_their_own() -> None:
+    """Python is let go on while a step is taken: where both kept the borders of their lanes at one place, each was judged in those of the other."""
+    text = TEXT[: TEXT.index("rule limits")]
+    spec = loads(text + 'rule kept "x"\n  require exists l in lanes: (footprint(ego, 4 m, 2 m) inside l)\n')
+    x = [-10.0 + 0.1 * k for k in range(600)]
+
+    def around(y: float) -> dict[str, Any]:
+        return {name: tm.line([[a, y + side] for a in x]) for name, side in (("left", 2.0), ("right", -2.0))}
+
+    # Of the lanes of the first one, the last has the car in it; of the second one, none. All of them are new in every cycle.
+    sets = [
+        [[around(10.0 * k) | {"id": str(k), "limit": 50.0} for k in (1, 2, 3, 4, 5, last)] for _ in range(2)]
+        for last in (0, 6)
+    ]
+    limits = Limits(elements=8, border=600, budget=1e9, oldest=1e9)
+    now = [0.0, 0.0]
+    clocks = (lambda: now[0]), (lambda: now[1])
+    boxes = [tm.supervisor(spec, backend="c", limits=limits, clock=clock) for clock in clocks]
+    plan = candidate(random.Random(0), True)
+    safe: list[list[bool]] = [[], []]
+    together = threading.Barrier(2)
+
+    def drive(which: int) -> None:
+        for number in range(30):
+            now[which] = 0.1 * number
+            ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+            given = Cycle(number, now[which], plan, plan, {"ego": ego, "lanes": sets[which][number % 2]})
+            together.wait(30)
+            safe[which].append(boxes[which].step(given).safe)
+
+    threads = [threading.Thread(target=drive, args=(which,)) for which in (0, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert safe == [[True] * 30, [False] * 30]
 
 
 @pytest.mark.acceptance

@@ -156,7 +156,7 @@ def _step(given: Supervised) -> Iterator[str]:
         c_name = given.plan.c_name if place < 2 else given.signals[name]
         yield f"  tm_in_{c_name} columns_{place};"
     for signal in given.lanes:
-        yield f"  static tm_points lanes_{given.signals[signal.name]}[2][TM_MAX_ELEMENTS];"
+        yield f"  tm_points lanes_{given.signals[signal.name]}[2][TM_MAX_ELEMENTS];"
     for signal in given.borders:
         yield f"  tm_in_{given.signals[signal.name]} lines_{given.signals[signal.name]};"
     for name in ("came", "numbered", "stamped"):
