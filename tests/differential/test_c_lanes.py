@@ -143,6 +143,19 @@ def test_all_that_can_be_wrong_came() -> None:
     assert {"bad_border", "over_capacity", "missing", "out_of_range", "wrong_type", "duplicate"} <= seen
 
 
+def test_one_without_a_point_is_told_of_beside_one_that_is_missing() -> None:
+    """C took both for missing, of which whoever read them has told."""
+    good = [[-9.0, 2.5], [60.0, 2.5]]
+    given = [
+        {"left": left, "right": good, "limit": 90.0, "id": name} for name, left in (("a", []), ("b", None))
+    ]
+    plan, ego = candidate(random.Random(0), True), {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+    pair = Pair(evaluator(), limits=LIMITS)
+    decision = pair.step(Cycle(0, 0.0, plan, plan, {"ego": ego, "lanes": given}), 0.0, 0.0)
+    told = [(name_of(fault), fault.field, fault.index) for fault in decision.faults]
+    assert told == [("missing", "left", 1), ("bad_border", "", 0)]
+
+
 def test_two_in_two_threads_have_lanes_of_their_own() -> None:
     """Python is let go on while a step is taken: where both kept the borders of their lanes at one place, each was judged in those of the other."""
     text = TEXT[: TEXT.index("rule limits")]

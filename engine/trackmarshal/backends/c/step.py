@@ -22,6 +22,7 @@ from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime.door.lines import NOWHERE
 from trackmarshal.runtime.frame import Arena, Columns
 from trackmarshal.runtime.lines import Line
 
@@ -29,6 +30,9 @@ Floats = NDArray[np.float64]
 #: Statuses of a configuration by number, those that can be.
 STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
 _NOWHERE = ctypes.c_size_t(-1).value
+#: The address of nothing in particular, where something is said to be.
+_NOTHING = ctypes.c_double()
+_SOMEWHERE = ctypes.addressof(_NOTHING)
 #: What a context may take.
 _MOST_BYTES = 1 << 30
 
@@ -474,7 +478,9 @@ def _words_of(lanes: Lanes) -> array[int]:
     own: list[int] = []
     for side in (0, 1):
         for pair in lanes:
-            own += (*_memory_of(pair[side].points), pair[side].number)
+            address, count = _memory_of(pair[side].points)
+            # One without points is there, other than one that is missing: no point of it is read.
+            own += (address if count or pair[side] is NOWHERE else _SOMEWHERE, count, pair[side].number)
     return array("Q", own or [0])
 
 
