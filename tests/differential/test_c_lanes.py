@@ -156,6 +156,22 @@ def test_one_without_a_point_is_told_of_beside_one_that_is_missing() -> None:
     assert told == [("missing", "left", 1), ("bad_border", "", 0)]
 
 
+def test_of_columns_that_differ_in_length_the_shortest_counts() -> None:
+    """C looked at as many lanes as the set has, and Python at all borders that came."""
+    good, crossing = [[-9.0, 2.5], [60.0, 2.5]], [[-9.0, -2.5], [60.0, 3.5]]
+    given = {
+        "left": [good, crossing],
+        "right": [[[-9.0, -2.5], [60.0, -2.5]], good],
+        "limit": [90.0],
+        "id": ["a", "b"],
+    }
+    plan, ego = candidate(random.Random(0), True), {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+    decision = Pair(evaluator(), limits=LIMITS).step(
+        Cycle(0, 0.0, plan, plan, {"ego": ego, "lanes": given}), 0.0, 0.0
+    )
+    assert {name_of(fault) for fault in decision.faults} == {"wrong_length"}
+
+
 def test_two_in_two_threads_have_lanes_of_their_own() -> None:
     """Python is let go on while a step is taken: where both kept the borders of their lanes at one place, each was judged in those of the other."""
     text = TEXT[: TEXT.index("rule limits")]

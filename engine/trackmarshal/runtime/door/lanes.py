@@ -81,7 +81,8 @@ class LanesChecker:
         if any(found.signal == self._name and not found.field and found.index is None for found in faults):
             return  # there is no set
         found = []
-        lanes = frame.lanes[self._name]
+        # Where columns are of different lengths, no more than the shortest of them, as of any set.
+        lanes = frame.lanes[self._name][: frame.columns[self._name].count]
         if len(lanes) > self._most:  # which is a fault of the set
             return
         for place, side in enumerate(SIDES):
