@@ -287,6 +287,9 @@ def test_report_says_what_an_integrator_asks(written: Path) -> None:
         r"^- Margins whose last .*: .*contact \(cos, sin\).*heading_integrity", text, re.MULTILINE
     )
     assert re.search(r"^\| friction \| .*trajectory\.spec:\d+ \| \d+ \| plan \(128\) \|$", text, re.MULTILINE)
+    pieces = re.search(r"#define TM_PIECES (\d+)u", (written / "supervisor.h").read_text(encoding="utf-8"))
+    assert pieces is not None
+    assert f"as often as it has pieces, {pieces.group(1)} times at most" in text
     if AT_LENGTH and shutil.which("gcc") is not None:
         stack = re.search(r"^- Stack: at most (\d+) bytes, .*`tm_\w+` > `tm_\w+`", text, re.MULTILINE)
         assert stack is not None

@@ -23,6 +23,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE
 from trackmarshal.runtime.decision import MOST_REASONS
+from trackmarshal.runtime.geometry.curve import MOST as MOST_PIECES
 
 #: What rules call, and what our own functions call besides.
 LIBM = (
@@ -187,7 +188,7 @@ def _lines(source: Source) -> Iterator[str]:
     yield "A rule is computed once, taking everything for known; only where something is not known, a second time with worst and best"
     yield "cases (about twice the values). Geometry adds passes over the segments of a line or border: at most one for each point on a"
     yield "line, two for each point in an area, and 21 for each sweep, of which 18 are of those that leave the area; a sweep along a curve counts"
-    yield "as often as it has pieces, 8 times at most. Boxes over the segments, and what was near in the last cycle, leave a few segments of"
+    yield f"as often as it has pieces, {MOST_PIECES} times at most. Boxes over the segments, and what was near in the last cycle, leave a few segments of"
     yield "each pass in practice."
     yield ""
     yield "| function | cyclomatic complexity |" + (" stack, bytes |" if usage else "")
