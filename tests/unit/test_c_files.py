@@ -636,6 +636,23 @@ def test_a_line_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_many_long_lanes_have_room(tmp_path: Path) -> None:
+    """In 32 bits, 65,536 lanes of two borders of 32,768 points had no room at all, and the first one was prepared beyond it."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m, heading: rad }\nsignal lanes : set of lane { left: polyline, right: polyline }\n"
+        'rule kept "" require exists l in lanes: (footprint(ego, 4 m, 2 m) inside l)\n'
+    )
+    (tmp_path / "supervisor.h").write_text(generate(spec, list(spec.rules)).header)
+    room = "(TM_SEGMENTS / TM_MAX_ELEMENTS) >= (2u * TM_MAX_BORDER)"
+    (tmp_path / "main.c").write_text(
+        f'#include "supervisor.h"\ntypedef char all_of_them[({room}) ? 1 : -1];\n'
+    )
+    command = ["gcc", "-std=c99", "-w", "-fsyntax-only", "-DTM_MAX_ELEMENTS=65536u", "-DTM_MAX_BORDER=32768u"]
+    said = subprocess.run([*command, "main.c"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stderr
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("method", [0, 1, 16, 32])
 def test_shorter_numbers_of_a_processor_are_no_more_digits(method: int, tmp_path: Path) -> None:
     """GNU C says 16 for a Cortex-M55, a Cortex-A78AE and a Xeon with half precision, where a double is a double."""
