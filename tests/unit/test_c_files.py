@@ -653,6 +653,22 @@ def test_many_long_lanes_have_room(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+def test_a_lap_without_a_point_is_refused(tmp_path: Path) -> None:
+    """Its first pair of border points comes again at its end: of none, what is behind the pointers was read, and NULL crashed."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m }\nsignal track : corridor { left: polyline, right: polyline }\n"
+        'rule near "" require distance_to(ego, track) <= 3 m\n'
+    )
+    made = generate(spec, list(spec.rules))
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    (tmp_path / "main.c").write_text(SETS % "tm_set_track(&context, NULL, 0u, NULL, 0u, true)")
+    command = ["gcc", "-std=c99", "-O1", "supervisor.c", "main.c", "-o", "sets", "-lm"]
+    subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+    assert subprocess.run([tmp_path / "sets"], check=False).returncode == 3
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("method", [0, 1, 16, 32])
 def test_shorter_numbers_of_a_processor_are_no_more_digits(method: int, tmp_path: Path) -> None:
     """GNU C says 16 for a Cortex-M55, a Cortex-A78AE and a Xeon with half precision, where a double is a double."""

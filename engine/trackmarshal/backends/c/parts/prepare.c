@@ -265,7 +265,8 @@ static bool tm_opposite(const double *left, const double *right, size_t n, bool 
   double last[4] = {0.0, 0.0, 0.0, 0.0};
   double most = -TM_INF;
   double least = TM_INF;
-  for (size_t i = 0u; i < (closed ? (n + 1u) : n); ++i) {
+  const size_t end = (closed && (n > 0u)) ? (n + 1u) : n; /* of a lap, the first one comes again */
+  for (size_t i = 0u; i < end; ++i) {
     const size_t k = 2u * ((i < n) ? i : 0u);
     const double pair[4] = {left[k], left[k + 1u], right[k], right[k + 1u]};
     if ((i > 0u) && tm_same(pair[0], pair[1], last[0], last[1]) && tm_same(pair[2], pair[3], last[2], last[3])) {
