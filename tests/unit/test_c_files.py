@@ -26,7 +26,7 @@ from support.supervised import shipped
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.calls import inexact
 from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.c.report import complexity, libm
+from trackmarshal.backends.c.report import complexity, libm, report
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
@@ -294,6 +294,20 @@ def test_report_says_what_an_integrator_asks(written: Path) -> None:
         stack = re.search(r"^- Stack: at most (\d+) bytes, .*`tm_\w+` > `tm_\w+`", text, re.MULTILINE)
         assert stack is not None
         assert int(stack.group(1)) > 1000
+
+
+def test_the_report_counts_the_borders_of_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are looked at, and prepared, where they are new, as those of a track are: the report had none of them."""
+    spec = loads(
+        "module m\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "signal ego : state { x: m, y: m, heading: rad }\nsignal lanes : set of lane { left: polyline, right: polyline }\n"
+        'rule kept "" require exists l in lanes: (footprint(ego, 4 m, 2 m) inside l)\n'
+    )
+    for name in ("context_bytes", "stack"):
+        monkeypatch.setattr(f"trackmarshal.backends.c.report.{name}", lambda _: None)
+    text = report(generate(spec, list(spec.rules), doored=True))
+    numbers = 32 * 2 * 2048 * 2  # lanes, borders, points, x and y
+    assert re.search(rf"^\| door: points of borders .* \| {numbers} \|$", text, re.MULTILINE)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")

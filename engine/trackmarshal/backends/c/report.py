@@ -120,7 +120,9 @@ def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
     assert contract.plan is not None
     signals = [contract.plan, contract.plan, *given.inputs]
     values = sum(sizes[s.form] * sum(max(1, len(f.checks)) for f in (*s.numbers, *s.flags)) for s in signals)
-    points = sum(2 * limits.get("TM_MAX_BORDER", 0) for signal in given.borders for _ in signal.lines)
+    of_lanes = sizes[SET] * sum(len(signal.lines) for signal in given.lanes)
+    lines = sum(len(signal.lines) for signal in given.borders) + of_lanes
+    points = 2 * limits.get("TM_MAX_BORDER", 0) * lines
     samples = sizes[TIMELINE]
     yield "| part of a step | values looked at, worst case |"
     yield "|---|---:|"
