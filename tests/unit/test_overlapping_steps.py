@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
+import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import pytest
@@ -210,3 +214,47 @@ def test_a_cycle_in_which_a_step_was_stopped_is_a_gap_to_rules_over_the_run(back
         (False, False)
     ] * 3
     assert [step(number, 0.0).safe for number in range(11, 16)][-1]
+
+
+def borders() -> dict[str, Any]:
+    """Of one road, which nobody can change."""
+    return {side: tm.line([(-50.0, y), (2000.0, y)]) for side, y in (("left", 6.0), ("right", -6.0))}
+
+
+def test_who_was_stopped_by_a_signal_is_not_told_of_another_cycle(backend: str, tmp_path: Path) -> None:
+    """The clock runs no code of Python's, so that a signal that comes meanwhile is seen no sooner than the next instruction of the step."""
+    raise_, sent, track = getattr(ctypes.CDLL(None), "raise"), ctypes.c_int(0), borders()
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    one = quickly_or_not(
+        supervisor(
+            shipped(), backend="c" if backend == "slowly" else backend, clock=partial(raise_, sent), record=tmp_path / "run.arrows",
+            limits={"budget": 1e3, "clock_tolerance": 1e3}, snapshots=0,
+        ),
+        backend,
+    )  # fmt: skip
+
+    def step(number: int) -> Decision:
+        given = cycle(number)
+        return one.step(replace(given, signals={**given.signals, "track": track}))
+
+    before = signal.signal(signal.SIGUSR1, stop)
+    try:
+        for number in range(3):  # C knows the cycles by then
+            assert step(number).safe
+        sent.value = signal.SIGUSR1
+        with pytest.raises(KeyboardInterrupt):
+            step(3)
+        sent.value = 0
+        decision = one.step(None)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert (decision.state, decision.number) == ("previous_emergency", None)
+    assert [fault.code for fault in decision.faults] == [FAULTS["missing_cycle"]]
+    assert decision.driven is not None
+    assert decision.driven.number in (
+        2,
+        3,
+    )  # it was stopped before the cycle was read, or behind all that was to be decided of it

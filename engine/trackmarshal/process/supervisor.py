@@ -168,6 +168,11 @@ class RemoteStepper:
             )  # fmt: skip
         return result
 
+    @property
+    def taken(self) -> int:
+        """How many steps were answered since the last one that was not."""
+        return self._serial
+
     @staticmethod
     def lost(said: Said) -> str:
         """Why nothing stored is driven; empty where it is, or need not be."""

@@ -17,7 +17,7 @@ from trackmarshal.backends.c.binding import SAID, Words, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.calling import Calling
 from trackmarshal.backends.c.header import CAPACITIES, capacities, elements
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
+from trackmarshal.backends.c.interface import FAULT_NAMES, LASTING, LIMITS, in_force
 from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.source import Source
@@ -120,6 +120,9 @@ class Stepping(Protocol):
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
 
     def reasons(self, said: Said) -> list[Reason]: ...
+
+    @property
+    def taken(self) -> int: ...
 
     @staticmethod
     def lost(said: Said) -> str: ...
@@ -362,6 +365,7 @@ class Stepper:
             lanes = [as_many(each, columns[place]) for each, place in zip(lanes, places)]
         rest = (tuple(lines), ids, tuple(lanes), tuple(closed), tuple(events))
         if rest != self._rest:
+            self._rest = None  # a step that is stopped meanwhile leaves words that are of no cycle
             own: list[Any] = []
             self._bordered(lines, own)
             self._ids = [self._numbering.of(name, each or ()) for name, each in zip(self.words.ids, ids)]
@@ -398,6 +402,12 @@ class Stepper:
         self._rest = None
         self._run()
         return self.last()
+
+    @property
+    def taken(self) -> int:
+        """How many steps the context has taken: the serial of the last one."""
+        at, _ = self.lasting[LASTING.index("serial")]
+        return ctypes.c_uint64.from_address(self.context + at).value
 
     @staticmethod
     def lost(said: Said) -> str:

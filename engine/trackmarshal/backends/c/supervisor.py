@@ -150,7 +150,7 @@ class CSupervisor(OfOneRun):
                 decision = self._at_length(cycle)
                 quick.release()
         except BaseException:
-            quick.release()
+            quick.stopped(self.stepper.taken)
             raise
         return decision or overlapping()
 

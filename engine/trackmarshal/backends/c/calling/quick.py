@@ -101,6 +101,12 @@ class Slowly:
             self._taker = 0
             self._taken.release()
 
+    def stopped(self, taken: int) -> None:
+        """The step that this thread was taking has ended before its time; C has taken so many by now. What it has left is not for the next one."""
+        if self._taker == threading.get_ident():
+            self.steps = taken
+            self.release()
+
     def left(self) -> Left:
         """What Python goes on with."""
         return NOTHING
@@ -156,6 +162,11 @@ class Quick(Slowly):
     def release(self) -> None:
         if self._own.taker == threading.get_ident():
             self._own.taker = 0
+
+    def stopped(self, taken: int) -> None:
+        if self._own.taker == threading.get_ident():
+            self.steps, self._left[:] = taken, NOTHING
+            self.release()
 
     def left(self) -> Left:
         if self._left[0] is None:
