@@ -258,3 +258,64 @@ def test_who_was_stopped_by_a_signal_is_not_told_of_another_cycle(backend: str, 
         2,
         3,
     )  # it was stopped before the cycle was read, or behind all that was to be decided of it
+
+
+def test_what_was_stopped_while_it_was_read_is_missing(backend: str) -> None:
+    """Two cycles are, and in each of them what is counted may have been."""
+    spec = tm.loads(
+        "module small\n"
+        "signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "signal ego : state { x: m, y: m, heading: rad, v: m/s }\n"
+        'rule seldom "In ten seconds, the car is faster than 2 m/s once"\n'
+        "  require count(ego.v > 2 m/s, last: 10 s) <= 1\n"
+    )
+    clock = Clock()
+    one = quickly_or_not(
+        supervisor(spec, backend="c" if backend == "slowly" else backend, clock=clock, limits={"longest_gap": 1.0}), backend
+    )  # fmt: skip
+    stands = {"t": [0.0, 9.0], **{name: [0.0, 0.0] for name in ("x", "y", "heading", "v")}}
+    slow = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0}}
+
+    def step(number: int, signals: Any = slow) -> Decision:
+        clock.now = PERIOD * number
+        return one.step(Cycle(number, clock.now, stands, stands, signals))
+
+    assert [step(number).safe for number in range(3)] == [True] * 3
+    with pytest.raises(KeyboardInterrupt):
+        step(3, Stopping())
+    assert [fault.code for fault in step(4).faults] == [FAULTS["skipped"]]
+    after = step(5)
+    assert ([fault.code for fault in after.faults], after.safe) == ([], False)
+    assert [one.verdict for one in after.violations] == ["undefined"] * 2
+
+
+def test_who_was_stopped_before_a_cycle_was_decided_goes_on_from_the_one_before(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a signal that comes just then: when the door has looked at the cycle, or before C is asked."""
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+
+    def stop(*given: Any) -> None:
+        if isinstance(one, Supervisor):
+            looked_at(*given)
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        if isinstance(one, Supervisor):
+            looked_at = one.door.admit
+            patch.setattr(one.door, "admit", stop)
+        else:
+            patch.setattr(one.stepper, "step", stop)
+        with pytest.raises(KeyboardInterrupt):
+            stepped(one, clock, 3)
+    decision = stepped(one, clock, 4)
+    assert (decision.state, [fault.code for fault in decision.faults]) == (
+        "previous_emergency",
+        [FAULTS["late"], FAULTS["skipped"]],
+    )
+    assert decision.driven is not None
+    assert decision.driven.number == 2
+    assert stepped(one, clock, 5).safe

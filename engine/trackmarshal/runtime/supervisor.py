@@ -168,7 +168,14 @@ class Supervisor(OfOneRun):
         if not self._taken.acquire(blocking=False):
             return overlapping()
         try:
-            opened, memory = self.open(cycle), self.memory
+            steps, last = self._steps, self.door.last
+            try:
+                opened = self.open(cycle)
+            except BaseException:
+                # What was not read is no cycle: the next one is compared, and counted on, from the one before.
+                self._steps, self.door.last = steps, last
+                raise
+            memory = self.memory
             try:
                 return self.go_on(opened)
             except BaseException:

@@ -172,6 +172,15 @@ class _Admitted:
         self._waiting.extend(admitted)
         return [shown(one.frame) if one.faults else one.frame for one in admitted]
 
+    @property
+    def last(self) -> tuple[int | None, float | None]:
+        """As a Door's."""
+        return self._door.last
+
+    @last.setter
+    def last(self, given: tuple[int | None, float | None]) -> None:
+        self._door.last = given
+
     def admit(self, about: int, cycle: Cycle, now: float) -> Admission:
         if now != cycle.t:
             raise RuntimeError("this door knows what was said at the time of the stamp only")
