@@ -149,7 +149,7 @@ def at_the_edges(layout: Layout, pool: Pool) -> list[Record]:
         decision(0, 1, valid_until=100.0), *asked(now, *due), due[-1] + 0.1,
         decision(0, 2, valid_until=soon), *asked(soon),
         decision(0, 3, valid_until=100.0, driven=2, safe=0), *asked(now, *stored),
-        decision(0, 4), math.nan, now,
+        decision(0, 4), math.nextafter(now, 0.0), now, math.nan, now,
         decision(1, 1, valid_until=100.0, driven=0, safe=0, stored=0), now, soon,
         decision(1, 2, valid_until=100.0), decision(1, 3, valid_until=100.0, driven=0, safe=0, stored=0), now,
     ]  # fmt: skip

@@ -933,6 +933,15 @@ def test_what_was_left_is_not_taken_up_again(rig: Rig) -> None:
     assert rig.at(rig.now).action == DRIVE
 
 
+def test_a_decision_is_driven_from_its_time_on_by_who_read_the_clock_before_it_came(rig: Rig) -> None:
+    """A controller looks at the clock, and takes what has come since: it has left nothing that was decided after that look."""
+    rig.step(3)
+    found = rig.at(rig.now - 1e-4)
+    assert (found.action, found.why) == (FALLBACK, "outdated")
+    found = rig.at(rig.now)
+    assert (found.action, found.why, found.number) == (DRIVE, "decided", 3)
+
+
 def test_simulated_decisions_are_not_for_a_car(rig: Rig) -> None:
     real = Executing(rig.client.layout)
     assert real.hear(rig.step(3).data) == "content"

@@ -96,7 +96,8 @@ class Executing:
         elif newest["driven"] == 1 and not now <= newest.column("driving", "due")[-1]:
             why = ENDED
         if why:
-            self._left = True
+            # A clock that was read just before the decision came leaves nothing: it is driven from its own time on.
+            self._left = self._left or why != OUTDATED or not now < newest["now"]
             return self._fall_back(now, why)
         if newest["driven"] == 1:
             return self._sampled(newest, "driving", now, DRIVE, DECIDED, newest["driven_number"])
