@@ -552,7 +552,11 @@ def _plain(value: Any, depth: int = 0) -> Any:
         return whole if abs(whole) < 2**63 else {"$": "int", "of": hex(whole)}
     if is_a(value, (float, np.floating)):
         number = float.__pos__(value) if is_a(value, float) else float(value)
-        return number if math.isfinite(number) else {"$": str(number)}
+        if not math.isfinite(number):
+            return {"$": str(number)}
+        # Of a length, a short one may have lost what a float of the same number has: the door asks.
+        short = is_a(value, np.floating) and value.dtype.itemsize < 8
+        return {"$": "scalar", "type": value.dtype.str, "of": number} if short else number
     if (
         isinstance(value, np.bool_ | np.integer) and value.dtype.kind in "biu"
     ):  # spans of time are whole numbers to numpy
