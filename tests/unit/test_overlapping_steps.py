@@ -319,3 +319,33 @@ def test_who_was_stopped_before_a_cycle_was_decided_goes_on_from_the_one_before(
     assert decision.driven is not None
     assert decision.driven.number == 2
     assert stepped(one, clock, 5).safe
+
+
+def test_what_was_stored_by_a_step_that_was_stopped_is_driven_from(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a signal that comes when C, or the state machine, is through with a cycle that is safe, and nobody has been told."""
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+
+    def stop(*given: Any) -> None:
+        decided(*given)
+        raise KeyboardInterrupt
+
+    owner, name = (one.program, "commit") if isinstance(one, Supervisor) else (one.stepper, "step")
+    decided = getattr(owner, name)
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, name, stop)
+        with pytest.raises(KeyboardInterrupt):
+            stepped(one, clock, 3)
+    clock.reads = 0
+    for again in (one.step(None), one.step(replace(cycle(4), driving=None))):
+        assert again.state == "previous_emergency"
+        assert again.driven is not None
+        assert again.driven is again.fallback
+        assert again.driven.number == 3
+        assert again.driven.due == pytest.approx([t + 3 * PERIOD for t in cycle(3).emergency["t"]])
+        assert again.driven.columns.listed("x") == cycle(3).emergency["x"].tolist()
+    assert stepped(one, clock, 4).safe

@@ -138,6 +138,10 @@ class CSupervisor(OfOneRun):
         self._advisory = advisory(self.rules)
         self._clock = clock
         self._explaining = Explaining(spec, self.rules)
+        #: The cycle that C was asked about last by Python; and of a step that was stopped what C has stored, if it had decided by then: nobody
+        #: has seen whether it had.
+        self._asked: tuple[Stamp, Frame | None] = (Stamp(None, None, ()), None)
+        self._unseen: Plan | None = None
         #: What takes most steps; None where that cannot be had.
         self._quick = self._quickest()
 
@@ -150,7 +154,12 @@ class CSupervisor(OfOneRun):
                 decision = self._at_length(cycle)
                 quick.release()
         except BaseException:
-            quick.stopped(self.stepper.taken)
+            left = quick.stopped(self.stepper.taken)
+            stamp, frame = self._asked
+            if isinstance(left.made, Frame):
+                stamp, frame = Stamp(left.number, left.t, ()), left.made
+            if frame is not None and stamp.number is not None and stamp.t is not None:
+                self._unseen = Plan(EMERGENCY, stamp.number, stamp.t, frame)
             raise
         return decision or overlapping()
 
@@ -177,6 +186,7 @@ class CSupervisor(OfOneRun):
         self._words.last = self._quick.last
         if frame is not None:
             stamp, said = Stamp(left.number, left.t, ()), self._here.last()
+            self._asked = stamp, frame
         else:
             try:
                 if isinstance(cycle, Cycle):
@@ -187,6 +197,7 @@ class CSupervisor(OfOneRun):
                     found.append(fault("wrong_type", "cycle", "", None, "not a Cycle"))
             except Exception as error:  # what was handed in has a say in how it is read
                 frame, found = None, [internal(error)]
+            self._asked = stamp, frame
             # Not before: a step that is stopped while its cycle is read is none to C, which counts on from the one before.
             self._quick.steps += 1
             try:
@@ -318,8 +329,11 @@ class CSupervisor(OfOneRun):
             driven = Plan(DRIVING, stamp.number, t, frame)
         elif not said.stored:
             self._quick.stored = None
-        elif said.driven == _STORED:
-            driven = self._quick.stored
+        else:
+            if not self._agrees(said) and self._is_stored(self._unseen, said):
+                self._quick.stored = self._unseen
+            if said.driven == _STORED:
+                driven = self._quick.stored
         driven_too = (driven is not None) == (said.driven != _NOTHING)
         if said.serial != self._quick.steps or not driven_too or not self._agrees(said):
             return self._nothing(said, stamp, *faults, incomplete("step"))
@@ -330,7 +344,8 @@ class CSupervisor(OfOneRun):
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
         """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
-        self._quick.stored, self._quick.steps = None, said.serial
+        self._quick.stored = self._unseen = None
+        self._quick.steps = said.serial
         t = math.nan if stamp.t is None else stamp.t
         return Decision(
             stamp.number, t, said.now, said.finished, NO_SAFE_TRAJECTORY, False, None, None, said.valid_until, "none_stored", faults, (),
@@ -340,9 +355,13 @@ class CSupervisor(OfOneRun):
     def _agrees(self, said: Said) -> bool:
         """Whether the trajectory that C has stored is the one that is known here."""
         stored = self._quick.stored
-        if stored is None:
-            return not said.stored
-        return bool(said.stored) and (stored.number, stored.t) == (said.stored_number, said.stored_t)
+        return not said.stored if stored is None else self._is_stored(stored, said)
+
+    @staticmethod
+    def _is_stored(plan: Plan | None, said: Said) -> bool:
+        """Whether a trajectory is the one that C has stored."""
+        known = plan is not None and (plan.number, plan.t) == (said.stored_number, said.stored_t)
+        return bool(said.stored) and known
 
     def _judged(self, frame: Frame) -> Judged:
         stepper = self.stepper

@@ -101,11 +101,13 @@ class Slowly:
             self._taker = 0
             self._taken.release()
 
-    def stopped(self, taken: int) -> None:
-        """The step that this thread was taking has ended before its time; C has taken so many by now. What it has left is not for the next one."""
-        if self._taker == threading.get_ident():
-            self.steps = taken
-            self.release()
+    def stopped(self, taken: int) -> Left:
+        """The step that this thread was taking has ended before its time; C has taken so many by now. What it has left, which is not for the next one."""
+        if self._taker != threading.get_ident():
+            return NOTHING
+        self.steps = taken
+        self.release()
+        return NOTHING
 
     def left(self) -> Left:
         """What Python goes on with."""
@@ -163,10 +165,12 @@ class Quick(Slowly):
         if self._own.taker == threading.get_ident():
             self._own.taker = 0
 
-    def stopped(self, taken: int) -> None:
-        if self._own.taker == threading.get_ident():
-            self.steps, self._left[:] = taken, NOTHING
-            self.release()
+    def stopped(self, taken: int) -> Left:
+        if self._own.taker != threading.get_ident():
+            return NOTHING
+        left, self.steps = self.left(), taken
+        self.release()
+        return left
 
     def left(self) -> Left:
         if self._left[0] is None:
