@@ -211,6 +211,24 @@ def test_the_adapter_makes_the_same_cycles(spec: Spec, columns: Any, shape: str)
     }
 
 
+def test_the_adapter_goes_by_keys_whatever_is_in_them(spec: Spec) -> None:
+    """Dots, as where somebody has made a log flat, and whole numbers: the cycles that were looked at kept the contract, and the adapter raised."""
+    plain, flat = disguised(FOREIGN, "columns"), []
+    for raw in plain:
+        trajs = raw["trajs"]
+        flat.append(
+            {
+                **{f"car.{name}": value for name, value in raw.items()},
+                "car.trajs": {1: trajs["fallback"], "a.b": trajs["nominal"]},
+            }
+        )
+    report = tm.check_planner(flat, spec, header={"race.track": recorded()[1]}, emergency="car.trajs.1")
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    track = scope["borders"]({"race.track": recorded()[1]})
+    same(scope["cycle_of"](0, flat[0], track), 0, but=("s", "a", "v"))
+
+
 def test_the_planner_as_it_is_recorded(spec: Spec) -> None:
     """In the contract's own terms nothing has to be converted, and s stands for s although t grows with it too."""
     report = tm.check_planner(recorded()[0], spec, header=recorded()[1])

@@ -9,8 +9,8 @@ from trackmarshal.integration.mapped import HELPERS, Mapped
 from trackmarshal.integration.mapping import Column
 
 
-def adapter(made: Mapped, raws: list[Any]) -> str:
-    """The text of a module with `cycle_of(number, cycle)`, and `borders(header)` where borders come before the cycles."""
+def adapter(made: Mapped, raws: list[Any], header: Any = None) -> str:
+    """The text of a module with `cycle_of(number, cycle)`, and `borders(header)` where borders come before the cycles. raws, header: what was read."""
     lines = [
         '"""Made by `trackmarshal check-planner`: look it over, it is yours now."""',
         "",
@@ -26,7 +26,7 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
             '    """The track, once: its lines are read and checked only when they change."""',
         ]
         lines += [
-            f'    return {{"left": tm.line({_get("header", made.left)}), "right": tm.line({_get("header", made.right)})}}',
+            f'    return {{"left": tm.line({_get("header", [header], made.left)}), "right": tm.line({_get("header", [header], made.right)})}}',
             "",
             "",
         ]
@@ -47,31 +47,31 @@ def adapter(made: Mapped, raws: list[Any]) -> str:
     stamp = (
         "0.1 * number  # TODO: stamp the cycle"
         if made.stamp is None
-        else made.stamp.code(_get("cycle", made.stamp.column))
+        else made.stamp.code(_get("cycle", raws, made.stamp.column))
     )
     lines.append(f"    stamp = {stamp}")
     stamped = ", stamp" if made.absolute else ""
     for name, path in (("driving", made.driving), ("emergency", made.emergency)):
-        value = "None  # TODO" if path is None else f"trajectory({_get('cycle', path)}{stamped})"
+        value = "None  # TODO" if path is None else f"trajectory({_get('cycle', raws, path)}{stamped})"
         lines.append(f"    {name} = {value}")
     if made.emergency is not None:
         lines.append("    emergency = tm.cut_at_rest(emergency)")
     lines.append("    signals = {")
     if made.ego is not None:
-        source = _get("cycle", made.ego) if made.ego else "cycle"
+        source = _get("cycle", raws, made.ego) if made.ego else "cycle"
         lines.append(f'        "ego": {_record(made.ego_fields, source)},')
     if made.objects is not None:
-        lines.append(f'        "objects": {_set(made, made.objects, made.object_fields)},')
+        lines.append(f'        "objects": {_set(made, raws, made.objects, made.object_fields)},')
     elif made.no_objects is not None:
-        lines.append(f'        "objects": others({_get("cycle", made.no_objects)}),')
+        lines.append(f'        "objects": others({_get("cycle", raws, made.no_objects)}),')
     elif "objects" in made.contract:
         lines.append('        "objects": None,  # TODO: other vehicles, also where there are none')
     if made.obstacles is not None:
-        lines.append(f'        "obstacles": {_set(made, made.obstacles, made.obstacle_fields)},')
+        lines.append(f'        "obstacles": {_set(made, raws, made.obstacles, made.obstacle_fields)},')
     elif "obstacles" in made.contract:
         lines.append('        "obstacles": [],  # TODO: what stands on the road')
     if made.left is not None and made.right is not None and not in_header:
-        left, right = (_get("cycle", path) for path in (made.left, made.right))
+        left, right = (_get("cycle", raws, path) for path in (made.left, made.right))
         lines.append(f'        "track": track or {{"left": tm.line({left}), "right": tm.line({right})}},')
     elif "track" in made.contract:
         lines.append('        "track": track,')
@@ -120,8 +120,8 @@ def _record(fields: Mapping[str, Column], source: str) -> str:
     return "{" + ", ".join(f'"{n}": {c.code(f"{source}[{c.column!r}]")}' for n, c in fields.items()) + "}"
 
 
-def _set(made: Mapped, path: str, fields: Mapping[str, Column]) -> str:
-    source = _get("cycle", path)
+def _set(made: Mapped, raws: list[Any], path: str, fields: Mapping[str, Column]) -> str:
+    source = _get("cycle", raws, path)
     if path in made.keyed:
         source = f'[{{"id": name, **one}} for name, one in {source}.items()]'
     return f"[{_record(fields, 'one')} for one in {source}]"
@@ -130,7 +130,7 @@ def _set(made: Mapped, path: str, fields: Mapping[str, Column]) -> str:
 def _shape(made: Mapped, raws: list[Any]) -> str:
     for raw in raws:
         value = raw
-        for key in _keys(raw, made.driving or ""):
+        for key in _keys(raw, made.driving or "") or ():
             value = value[key]
         if isinstance(value, Mapping):
             return "columns" if value else ""
@@ -140,17 +140,21 @@ def _shape(made: Mapped, raws: list[Any]) -> str:
     return "columns"
 
 
-def _keys(value: Any, path: str) -> list[str]:
-    """The keys along a path, which may have dots in them; as far as they are there."""
-    if not path or not isinstance(value, Mapping):
+def _keys(value: Any, path: str) -> list[Any] | None:
+    """The keys along a path, which may have dots in them, or be no texts; None where it leads nowhere."""
+    if not path:
         return []
-    for key in value:
-        if path == key:
+    for key in value if isinstance(value, Mapping) else ():
+        name = str(key)
+        if path == name:
             return [key]
-        if path.startswith(f"{key}."):
-            return [key, *_keys(value[key], path[len(key) + 1 :])]
-    return []
+        further = _keys(value[key], path[len(name) + 1 :]) if path.startswith(f"{name}.") else None
+        if further is not None:
+            return [key, *further]
+    return None
 
 
-def _get(source: str, path: str) -> str:
-    return source + "".join(f"[{key!r}]" for key in path.split(".")) if path else source
+def _get(source: str, raws: list[Any], path: str) -> str:
+    """What stands at a path, in a program, by the keys that lead there in one of these."""
+    found = next((keys for raw in raws if (keys := _keys(raw, path)) is not None), path.split("."))
+    return source + "".join(f"[{key!r}]" for key in found)

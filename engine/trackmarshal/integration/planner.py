@@ -169,7 +169,7 @@ def check_planner(
         told = {one.about for one in findings if one.level == "broken"}
         rules = [rule for rule in spec.rules if rule.formula is not None]
         findings += at_the_door(spec, rules, cycles, told)
-        return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws))
+        return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws, header))
 
 
 def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
