@@ -498,3 +498,27 @@ def test_a_full_disk_costs_the_cycles_that_did_not_fit(
     assert [kept.cycle.number for kept in run.cycles] == ([0, 1, 4, 5] if then == "on" else [0, 1])
     left = [float(kept.cycle.signals["track"]["left"][0][1]) for kept in run.cycles]
     assert left == ([6.0, 6.0, 7.0, 7.0] if then == "on" else [6.0, 6.0])
+
+
+def test_what_a_disk_does_not_confirm_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a record that waits for the disk in every cycle: the row was there, and the next one had its place once more."""
+    path = tmp_path / "run.arrows"
+    supervisor, oracle, clock = made()
+    supervisor.recorder = Record(
+        path, supervisor.door.contract, supervisor.limits, oracle.identity, sync=True
+    )
+
+    def fail(file: int) -> None:
+        raise OSError(5, "Input/output error")
+
+    for number in range(4):
+        clock.now = number * PERIOD
+        with monkeypatch.context() as patch:
+            if number == 2:
+                patch.setattr(os, "fsync", fail)
+            assert supervisor.step(cycle(number)).state == "drive"
+    assert "Input/output error" in supervisor.record_error
+    supervisor.close()
+    run = read(path.read_bytes(), "x")
+    assert [kept.cycle.number for kept in run.cycles] == [0, 1, 3]
+    assert (run.missed, run.damage, run.ended) == (1, "", True)

@@ -198,14 +198,14 @@ class Record:
         try:
             while view:
                 view = view[os.write(self._file, view) :]
+            if self._sync:  # what the disk may not have counts as not written
+                os.fsync(self._file)
         except OSError:
             with suppress(OSError):
                 os.ftruncate(self._file, self._end)
             raise
         self._end += len(data)
         self._longer = False
-        if self._sync:
-            os.fsync(self._file)
 
     def _row(self, times: list[Any], frame: Frame, decision: Decision) -> bytes | bytearray:
         """The row of a cycle that passed the door; empty for one with an id that is no text, which JSON can spell."""
