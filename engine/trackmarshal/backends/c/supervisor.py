@@ -111,6 +111,7 @@ class CSupervisor(OfOneRun):
         self.limits = Limits.of(spec) if limits is None else limits
         self.spec = spec
         self.contract = of_cycles(spec, rules)
+        self._over_run = self.contract.over_run
         source = generated(spec, rules, doored=True)
         self.rules = source.plan.rules
         self.stepper: Stepping = (
@@ -148,6 +149,7 @@ class CSupervisor(OfOneRun):
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
         quick = self._quick
+        before = quick.steps if self._over_run else 0
         try:
             decision = quick.step(cycle)
             if decision is None:
@@ -160,6 +162,8 @@ class CSupervisor(OfOneRun):
                 stamp, frame = Stamp(left.number, left.t, ()), left.made
             if frame is not None and stamp.number is not None and stamp.t is not None:
                 self._unseen = Plan(EMERGENCY, stamp.number, stamp.t, frame)
+            if self._over_run and quick.steps > before:
+                self._gap()
             raise
         return decision or overlapping()
 
@@ -213,6 +217,15 @@ class CSupervisor(OfOneRun):
         self._words.read(said)
         self._quick.last = self._words.last
         return self._kept(cycle, frame, decision, now)
+
+    def _gap(self) -> None:
+        """Of the cycle of a step that was stopped behind its reading nobody has been told what was decided: that one did not come is what rules over the
+        run are told after it."""
+        if isinstance(self.stepper, Stepper):
+            said = self.stepper.last()
+            self._quick.disarm()
+            self.stepper.none_came(said.finished if said.finished >= said.now else said.now)
+            self._quick.steps = self.stepper.taken
 
     def _read(self) -> float:
         try:
