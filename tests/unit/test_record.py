@@ -500,6 +500,39 @@ def test_a_full_disk_costs_the_cycles_that_did_not_fit(
     assert left == ([6.0, 6.0, 7.0, 7.0] if then == "on" else [6.0, 6.0])
 
 
+def test_an_export_has_what_was_decided_in_the_run(tmp_path: Path) -> None:
+    """Also where its cycles came to something else when they were run again, as by another spec: nothing is drawn as driven that was not."""
+    from mcap.reader import make_reader
+
+    from trackmarshal.scenarios import foxglove
+
+    rule = ("driving", "friction")
+    kept = recorded(tmp_path / "run.arrows", plain(4))
+    again = recorded(
+        tmp_path / "again.arrows",
+        [(given, {rule} if n != 1 else set(), ticks) for n, (given, _, ticks) in enumerate(plain(4))],
+    )
+    assert [d.state for d in kept] == ["drive", "drive", "previous_emergency", "drive"]
+    assert [d.state for d in again] == [
+        "no_emergency_yet",
+        "drive",
+        "previous_emergency",
+        "previous_emergency",
+    ]
+    foxglove.write(read((tmp_path / "run.arrows").read_bytes(), "run"), again, tmp_path / "run.mcap")
+    with (tmp_path / "run.mcap").open("rb") as file:
+        told = [
+            (channel.topic, json.loads(message.data))
+            for _, channel, message in make_reader(file).iter_messages()
+        ]
+    decided = [data for topic, data in told if topic == "/decision"]
+    assert [(data["state"], data["driven_number"]) for data in decided] == [
+        (d.state, d.driven.number) for d in kept if d.driven is not None
+    ]
+    scenes = [{entity["id"] for entity in data["entities"]} for topic, data in told if topic == "/scene"]
+    assert ["driven" in scene for scene in scenes] == [False, True, True, False]
+
+
 def test_what_a_disk_does_not_confirm_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a record that waits for the disk in every cycle: the row was there, and the next one had its place once more."""
     path = tmp_path / "run.arrows"

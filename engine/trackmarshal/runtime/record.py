@@ -323,9 +323,14 @@ class Recorded:
     readings: tuple[float, float]
     decision: list[Any]
 
+    @property
+    def by_name(self) -> dict[str, Any]:
+        """The decision by the names of its columns."""
+        return {name: value for (name, _), value in zip(_DECISION, self.decision)}
+
     def value(self, column: str) -> Any:
         """A value of the decision by its column."""
-        return self.decision[next(i for i, (name, _) in enumerate(_DECISION) if name == column)]
+        return self.by_name[column]
 
 
 @dataclass(frozen=True, slots=True)

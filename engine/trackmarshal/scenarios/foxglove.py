@@ -35,7 +35,7 @@ _OBJECT = {"type": "object"}
 
 
 def write(run: Run, decisions: Iterable[Decision], path: str | Path) -> None:
-    """Write a record with the decisions of its cycles. Raises E484 without the package, D120 where the file cannot be written or something else is there."""
+    """Write a record, with scenes by what its cycles came to when they were run again. Raises E484 without the package, D120 where the file cannot be written or something else is there."""
     try:
         from mcap.writer import Writer
     except ImportError as error:
@@ -78,9 +78,7 @@ def _channel(writer: Any, topic: str, name: str) -> int:
 
 def _messages(run: Run, recorded: Recorded, decision: Decision) -> dict[str, Any]:
     stamp = _stamp(recorded.readings[0])
-    messages = {
-        "/decision": {"timestamp": stamp, "t": _spelt(decision.t), **_spelt(decided_by_name(decision))}
-    }
+    messages = {"/decision": {"timestamp": stamp, "t": _spelt(decision.t), **_spelt(recorded.by_name)}}
     cycle = recorded.cycle
     if type(cycle) is Cycle and decision.judged is not None and not decision.faults:
         messages["/cycle"] = _spelt({
@@ -88,21 +86,29 @@ def _messages(run: Run, recorded: Recorded, decision: Decision) -> dict[str, Any
         })  # fmt: skip
         messages["/scene"] = {
             "deletions": [],
-            "entities": list(_entities(run, decision.judged.about, decision, stamp)),
+            "entities": list(_entities(run, decision.judged.about, _driven(recorded, decision), stamp)),
         }
     return messages
 
 
+def _driven(recorded: Recorded, decision: Decision) -> Decision | None:
+    """A decision by which is driven what was driven in the run; None where it is another one, as another spec or an error that has not come again may
+    have it."""
+    given, again = recorded.by_name, decided_by_name(decision)
+    names = ("safe", "driven", "driven_number", "driven_t")
+    return decision if all(str(given[name]) == str(again[name]) for name in names) else None
+
+
 def _entities(
-    run: Run, frame: Frame, decision: Decision, stamp: Mapping[str, int]
+    run: Run, frame: Frame, decision: Decision | None, stamp: Mapping[str, int]
 ) -> Iterable[dict[str, Any]]:
     borders = [line.points.tolist() for (signal, _), line in frame.lines.items() if signal == "track"]
     yield _entity("track", stamp, lines=[_line(points, _GREY, 0.15) for points in borders])
     for name, colour in ((DRIVING, _BLUE), (EMERGENCY, _ORANGE)):
         plan = frame.candidates[name]
         yield _entity(name, stamp, lines=[_line(zip(plan.listed("x"), plan.listed("y")), colour, 0.2)])
-    samples = decision.samples
-    if samples is not None:
+    samples = None if decision is None else decision.samples
+    if decision is not None and samples is not None:
         colour = _GREEN if decision.safe else _RED
         yield _entity("driven", stamp, lines=[_line(zip(samples["x"], samples["y"]), colour, 0.5)])
     size = {n: run.identity.get("params", {}).get(n, d) for n, d in (("length", _LENGTH), ("width", _WIDTH))}
