@@ -392,8 +392,12 @@ def test_foxglove_reads_an_export(tmp_path: Path) -> None:
     scenes = [
         data for topic, name, _, data in messages if topic == "/scene" and name == "foxglove.SceneUpdate"
     ]
-    assert len(scenes) == 4
-    by_name = {entity["id"]: entity for entity in scenes[0]["entities"]}
+    named = [{entity["id"]: entity for entity in scene["entities"]} for scene in scenes]
+    assert ["track" in by_name for by_name in named] == [True, True, True, False, False, True]
+    # Of what is driven while no cycle passes the door, the last of it is not left standing.
+    colours = [[line["color"]["g"] for line in by_name["driven"]["lines"]] for by_name in named]
+    assert colours == [[0.7], [0.7], [0.1], [0.1], [0.1], [0.1]]
+    by_name = named[0]
     assert by_name.keys() == {"track", "driving", "emergency", "driven", "ego", "objects", "obstacles"}
     assert len(by_name["objects"]["cubes"]) == 2
     assert len(by_name["driven"]["lines"][0]["points"]) == 30
@@ -529,8 +533,14 @@ def test_an_export_has_what_was_decided_in_the_run(tmp_path: Path) -> None:
     assert [(data["state"], data["driven_number"]) for data in decided] == [
         (d.state, d.driven.number) for d in kept if d.driven is not None
     ]
-    scenes = [{entity["id"] for entity in data["entities"]} for topic, data in told if topic == "/scene"]
-    assert ["driven" in scene for scene in scenes] == [False, True, True, False]
+    drawn = [
+        one["lines"]
+        for topic, data in told
+        if topic == "/scene"
+        for one in data["entities"]
+        if one["id"] == "driven"
+    ]
+    assert [len(lines) for lines in drawn] == [0, 1, 1, 0]
 
 
 def test_what_a_disk_does_not_confirm_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,6 +1,6 @@
 """A run's record as an MCAP file, so that Foxglove shows it: decisions and cycles as JSON, and the scene in its own terms.
 
-Topics: `/decision` and `/cycle` (everything that the record has, as it has it), `/scene` (foxglove.SceneUpdate: borders, both candidates, what is driven,
+Topics: `/decision` and `/cycle` (everything that the record has, as it has it), `/scene` (foxglove.SceneUpdate: what is driven; borders, both candidates,
 the car and the objects, of what passed the door: in SI units, whatever the record keeps). Needs the package `mcap`, which is imported when this is called.
 """
 
@@ -79,38 +79,35 @@ def _channel(writer: Any, topic: str, name: str) -> int:
 def _messages(run: Run, recorded: Recorded, decision: Decision) -> dict[str, Any]:
     stamp = _stamp(recorded.readings[0])
     messages = {"/decision": {"timestamp": stamp, "t": _spelt(decision.t), **_spelt(recorded.by_name)}}
-    cycle = recorded.cycle
+    cycle, entities = recorded.cycle, [_driven(recorded, decision, stamp)]
     if type(cycle) is Cycle and decision.judged is not None and not decision.faults:
         messages["/cycle"] = _spelt({
             "timestamp": stamp, "number": cycle.number, DRIVING: cycle.driving, EMERGENCY: cycle.emergency, **cycle.signals
         })  # fmt: skip
-        messages["/scene"] = {
-            "deletions": [],
-            "entities": list(_entities(run, decision.judged.about, _driven(recorded, decision), stamp)),
-        }
-    return messages
+        entities += _entities(run, decision.judged.about, stamp)
+    return {**messages, "/scene": {"deletions": [], "entities": entities}}
 
 
-def _driven(recorded: Recorded, decision: Decision) -> Decision | None:
-    """A decision by which is driven what was driven in the run; None where it is another one, as another spec or an error that has not come again may
-    have it."""
+def _driven(recorded: Recorded, decision: Decision, stamp: Mapping[str, int]) -> dict[str, Any]:
+    """What is driven, in every cycle: what was drawn in the one before goes only where something stands in its place. Nothing where the replay drives
+    something else than was driven in the run, as by another spec, or where an error has not come again."""
     given, again = recorded.by_name, decided_by_name(decision)
-    names = ("safe", "driven", "driven_number", "driven_t")
-    return decision if all(str(given[name]) == str(again[name]) for name in names) else None
+    same = all(
+        str(given[name]) == str(again[name]) for name in ("safe", "driven", "driven_number", "driven_t")
+    )
+    samples = decision.samples if same else None
+    if samples is None:
+        return _entity("driven", stamp)
+    colour = _GREEN if decision.safe else _RED
+    return _entity("driven", stamp, lines=[_line(zip(samples["x"], samples["y"]), colour, 0.5)])
 
 
-def _entities(
-    run: Run, frame: Frame, decision: Decision | None, stamp: Mapping[str, int]
-) -> Iterable[dict[str, Any]]:
+def _entities(run: Run, frame: Frame, stamp: Mapping[str, int]) -> Iterable[dict[str, Any]]:
     borders = [line.points.tolist() for (signal, _), line in frame.lines.items() if signal == "track"]
     yield _entity("track", stamp, lines=[_line(points, _GREY, 0.15) for points in borders])
     for name, colour in ((DRIVING, _BLUE), (EMERGENCY, _ORANGE)):
         plan = frame.candidates[name]
         yield _entity(name, stamp, lines=[_line(zip(plan.listed("x"), plan.listed("y")), colour, 0.2)])
-    samples = None if decision is None else decision.samples
-    if decision is not None and samples is not None:
-        colour = _GREEN if decision.safe else _RED
-        yield _entity("driven", stamp, lines=[_line(zip(samples["x"], samples["y"]), colour, 0.5)])
     size = {n: run.identity.get("params", {}).get(n, d) for n, d in (("length", _LENGTH), ("width", _WIDTH))}
     yield _entity(
         "ego", stamp, cubes=[_box({**size, **each}, _BLUE) for each in _records(frame, "ego", _POSE)]
