@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -17,6 +18,8 @@ from support.emitted import emit
 from support.project import run_command
 from support.sanitized import FLAGS as SANITIZED
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.glue import glue
+from trackmarshal.backends.c.source import generate
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime.faults import name_of
@@ -348,3 +351,12 @@ def test_more_lanes_than_c_has_memory_for() -> None:
     with pytest.raises(TrackmarshalError, match="more than 256 MiB") as caught:
         Evaluator(spec, backend="c").case({"signals": many})
     assert caught.value.code == "E473"
+
+
+def test_supervisors_in_two_threads_have_no_lanes_in_common() -> None:
+    """Python is let go on while C takes a step: what the library kept for one would be judged by in the step of another one of the same program."""
+    spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")
+    source = generate(spec, [rule for rule in spec.rules if rule.formula is not None], doored=True)
+    text = re.sub(r"/\*.*?\*/", "", f"{source.source}\n{glue(source)}", flags=re.DOTALL)
+    assert "lanes_lanes" in text
+    assert re.findall(r"^\s*static (?!const |inline )[^(={]*;", text, re.MULTILINE) == []
