@@ -174,6 +174,9 @@ def test_of_a_supervisor_that_does_not_answer_nothing_is_known(udp: bool) -> Non
             assert (said.state, said.safe) == (state, state == "drive")
             assert (said.driven and said.driven.number) == driven
             assert ("incomplete" in map(name_of, said.faults)) == (driven is None)
+            assert any("no decision within 0.02 s" in fault.message for fault in said.faults) == (
+                deaf and given is not None
+            )
         served.process.kill()
         channel.deaf, stepper._patience = False, 0.02
         for given in (cycle(6), None, cycle(7)):
@@ -277,6 +280,27 @@ def test_a_forked_planner_has_no_client(rig: Rig) -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
     assert rig.step(3)["safe"] == 1
     assert rig.refused() == {}
+
+
+def test_a_supervisor_in_a_fork_says_why_nothing_is_driven() -> None:
+    """A step raises no exception, whatever becomes of what it is asked with."""
+    spec = shipped()
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    with Served(built()) as served:
+        client = Client(served.program.layout, served.channel(), lambda: 0.0)
+        remote = RemoteSupervisor(spec, rules, client, clock=lambda: 0.0, patience=PATIENCE)
+        assert remote.step(cycle(0)).safe
+        child = os.fork()
+        if child == 0:
+            try:
+                said, none = remote.step(cycle(1)), remote.step(None)
+                told = any("that of another process" in fault.message for fault in said.faults)
+                os._exit(3 if told and (said.state, none.state) == ("no_safe_trajectory",) * 2 else 4)
+            finally:
+                os._exit(5)
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 3
+        assert remote.step(replace(cycle(1), t=0.0)).faults[0].name == "repeated"
+        remote.close()
 
 
 @pytest.mark.verifies("S-1-B-3")

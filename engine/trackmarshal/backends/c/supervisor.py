@@ -349,7 +349,7 @@ class CSupervisor(OfOneRun):
                 driven = self._quick.stored
         driven_too = (driven is not None) == (said.driven != _NOTHING)
         if said.serial != self._quick.steps or not driven_too or not self._agrees(said):
-            return self._nothing(said, stamp, *faults, incomplete("step"))
+            return self._nothing(said, stamp, *(faults or found), incomplete("step"))
         return Decision(
             stamp.number, t, said.now, said.finished, state, bool(said.safe), driven, self._quick.stored, said.valid_until,
             self.stepper.lost(said), faults, violations, bool(said.more), judged, advisories(self._named, judged) if self._advisory else (),
