@@ -26,6 +26,13 @@ signal weather : state { rain: 1 }
 event wet
 rule odd require ego.omega <= 1 1/s
 """
+RUN = """module run
+signal ego : state { v: m/s }
+rule recovers "Whoever is slow is faster within a second"
+  whenever  ego.v < 10 m/s
+  within    1 s
+  require   ego.v >= 10 m/s
+"""
 V_MODEL = "document: v-model\ntitle: small\nproject:\n  name: small\n  specs: [specs]\n  default_spec: specs/small.spec\n"
 GOOD: dict[str, Any] = {"plan": {"t": [0, 1], "v": [9, 0]}, "ego": {"x": 1, "age": 0}}
 
@@ -95,3 +102,25 @@ def test_without_a_project_only_the_spec_itself_counts(tmp_path: Path) -> None:
     (tmp_path / "specs" / "other.spec").write_text(OTHER, encoding="utf-8")
     assert evaluated(tmp_path, {"signals": GOOD})[0] == 0
     assert evaluated(tmp_path, {"signals": {**GOOD, "wet": True}})[0] == 2
+
+
+def test_a_line_without_an_id_is_called_by_its_number(project: Path) -> None:
+    _, lines = evaluated(
+        project, {"signals": GOOD}, {"id": "b", "signals": GOOD}, {"id": None, "signals": GOOD}
+    )
+    assert [line["id"] for line in lines] == [1, "b", 3]
+
+
+def test_so_are_cycles_of_which_later_ones_say_something(tmp_path: Path) -> None:
+    (tmp_path / "run.spec").write_text(RUN, encoding="utf-8")
+    (tmp_path / "run.jsonl").write_text(
+        "".join(json.dumps({"t": t, "signals": {"ego": {"v": 9}}}) + "\n" for t in (0, 0.5, 1.5)), "utf-8"
+    )
+    command = ("eval", str(tmp_path / "run.spec"), "--run", "--data", str(tmp_path / "run.jsonl"))
+    _, out, _ = run_command(*command, "--format", "jsonl")
+    *cycles, last = [json.loads(line) for line in out.splitlines()]
+    assert [cycle["id"] for cycle in cycles] == [1, 2, 3]
+    third = [(one["cycle"], one["verdict"]) for one in cycles[2]["rules"]["recovers"]["about"]]
+    assert third == [(3, "open"), (1, "violated"), (2, "violated")]
+    assert [one["cycle"] for one in last["end"]["recovers"]] == [3]
+    assert run_command(*command)[1].splitlines()[-1].split() == ["recovers", "3", "violated", "-1"]

@@ -211,7 +211,7 @@ def read_cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame 
 
 
 def _numbered(path: str, evaluator: Evaluator) -> Iterator[Numbered]:
-    """The same, with the number of the line, and no id where the line has none."""
+    """The same, with the number of the line, and no id where the line has none: its case is called by that number."""
     for line_number, line in enumerate(_lines(path), start=1):
         if not line.strip():
             continue
@@ -219,6 +219,8 @@ def _numbered(path: str, evaluator: Evaluator) -> Iterator[Numbered]:
         try:
             raw = _parse(line)
             identity = _identity(raw)
+            if identity is None and isinstance(raw, dict):
+                raw["id"] = line_number  # what later cycles say of this one calls it so, too
             yield line_number, identity, evaluator.read(raw)
         except TrackmarshalError as error:
             error.file, error.line = path, line_number
