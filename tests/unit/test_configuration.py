@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 from pathlib import Path
 
 import pytest
@@ -226,3 +227,44 @@ def test_the_time_that_explain_proposes_is_one_that_it_takes(tmp_path: Path, beg
     status, _, err = command(REPOSITORY, *arguments, proposed.split(" s")[0])
     assert status == 0, err
     assert float(proposed.split(" s")[0]) == pytest.approx(begin + 0.1, abs=1e-6)
+
+
+def test_what_is_named_counts_more_than_a_recording_in_its_cycles_for_c_too(tmp_path: Path) -> None:
+    (tmp_path / "rules.spec").write_text(
+        "module rules\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "param v_max : m/s = 50 m/s in [0, 100]\nrule slow for all p in plan require p.v <= v_max\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "vehicle.spec").write_text("module vehicle\nparam v_max : km/h = 36 km/h\n", encoding="utf-8")
+    track = {"left": [[0, 5], [50, 5]], "right": [[0, -5], [50, -5]]}
+    head = {
+        "format": "trackmarshal-recording",
+        "version": 1,
+        "name": "r",
+        "track": track,
+        "params": {"v_max": 40},
+    }
+    still = {name: [0, 0] for name in ("y", "heading", "kappa", "a")}
+    plan = {"t": [0, 1], "x": [0, 20], "v": [20, 20], **still}
+    ego = {"x": 0, "y": 0, "heading": 0, "v": 20}
+    cycle = {"t": 0, "ego": ego, "objects": [], "candidates": {"driving": plan, "emergency": plan}}
+    recording = tmp_path / "r.tmrec.jsonl"
+    recording.write_text(f"{json.dumps(head)}\n{json.dumps(cycle)}\n", encoding="utf-8")
+
+    def compiled(*more: str) -> float:
+        words = [
+            "compile",
+            str(tmp_path / "rules.spec"),
+            "--cycles",
+            str(recording),
+            "--out",
+            str(tmp_path / "c"),
+        ]
+        assert run_command(*words, *more)[0] == 0
+        lines = (tmp_path / "c" / "r.cycles").read_text("utf-8").splitlines()
+        (bits,) = [line.split()[1] for line in lines if line.startswith("rules.v_max ")]
+        (value,) = struct.unpack(">d", bytes.fromhex(bits.zfill(16)))
+        return float(value)
+
+    assert compiled() == 40.0
+    assert compiled("--with", str(tmp_path / "vehicle.spec")) == 10.0

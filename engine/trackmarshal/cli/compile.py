@@ -68,8 +68,9 @@ def run(args: argparse.Namespace) -> int:
         )
     project = optional_project(args)
     spec_path = Path(args.spec) if args.spec is not None else default_spec(find_project(args))
-    given = [_read(path) for path in args.cycles]
-    settings = [*_used(given, project), *(Path(path) for path in args.settings)]
+    chosen = [Path(path) for path in args.settings]
+    given = [_read(path, spec_path, chosen) for path in args.cycles]
+    settings = [*_used(given, project), *chosen]
     spec = load([spec_path], settings, project)
     broken = broken_constraints(spec)
     if broken:
@@ -167,15 +168,16 @@ def _process(source: Source, args: argparse.Namespace) -> tuple[dict[str, str], 
     return made.files | link(), made.sizes
 
 
-def _read(path: str) -> tuple[str, Recording | Run]:
-    """A recording or the record of a run, and the name of its file of cycles."""
+def _read(path: str, spec_path: Path, chosen: list[Path]) -> tuple[str, Recording | Run]:
+    """A recording, without the values that are chosen, or the record of a run; and the name of its file of cycles."""
     from trackmarshal.cli.record import is_record
+    from trackmarshal.cli.replay import overruled
     from trackmarshal.runtime.record import read
     from trackmarshal.scenarios import content, load
 
     if is_record(path):
         return Path(path).stem, read(content.read(Path(path), path), path)
-    return Path(path).name.partition(".")[0], load(path)
+    return Path(path).name.partition(".")[0], overruled(load(path), spec_path, chosen)
 
 
 def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> list[Path]:
