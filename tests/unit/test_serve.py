@@ -100,6 +100,10 @@ def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) ->
         (["--shm", "x", "--to", "7000"], "error[E477]: --to is for datagrams"),
         (["--udp", "70000"], "error[E477]: 70000 is no port"),
         (["--udp", "7000", "--to", "0"], "error[E477]: 0 is no port"),
+        (
+            ["--udp", "7000", *(f"--to={port}" for port in range(7001, 7010))],
+            "error[E477]: decisions would go to 9 other ports, and there is room for 8",
+        ),
     ],
 )
 def test_what_it_refuses(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:

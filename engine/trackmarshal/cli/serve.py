@@ -18,6 +18,9 @@ from trackmarshal.cli.output import write_out
 from trackmarshal.cli.project import optional_project
 from trackmarshal.errors import TrackmarshalError
 
+#: As many other ports as process.c has room for (MOST_LISTENERS).
+MOST_LISTENERS = 8
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("spec", metavar="SPEC", help="a .spec file, or a folder of them")
@@ -28,7 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     where.add_argument("--build", action="store_true", help="only compile it, and print the program's path")
     parser.add_argument(
         "--to", action="append", default=[], type=int, metavar="PORT",
-        help="a port that decisions go to as well, for whoever executes them (datagrams; repeatable)",
+        help=f"a port that decisions go to as well, for whoever executes them (datagrams; repeatable, {MOST_LISTENERS} at most)",
     )  # fmt: skip
     parser.add_argument(
         "--wait", choices=("sleep", "poll", "spin"), default="sleep",
@@ -58,6 +61,12 @@ def run(args: argparse.Namespace) -> int:
     for port in [*args.to, *([args.udp] if args.udp is not None else [])]:
         if not 1 <= port <= 65_535:
             raise TrackmarshalError("E477", f"{port} is no port", help="1 to 65535")
+    if len(args.to) > MOST_LISTENERS:
+        raise TrackmarshalError(
+            "E477",
+            f"decisions would go to {len(args.to)} other ports, and there is room for {MOST_LISTENERS}",
+            help="let one of those who hear them pass them on",
+        )
     spec = load([Path(args.spec)], [Path(path) for path in args.settings], optional_project(args))
     broken = broken_constraints(spec)
     if broken:
