@@ -90,11 +90,15 @@ class Limits:
             kinds, least, most = ((int,), 2, MOST) if whole else ((int, float), 0, math.inf)
             if type(value) in kinds and least <= value <= most and _is_double(value):
                 continue
-            wanted = f"a whole number, from 2 to {MOST}" if whole else "a number, at least 0"
+            wanted = (
+                f"a whole number (int), from 2 to {MOST}"
+                if whole
+                else "a number (int or float), at least 0; inf takes the limit away"
+            )
             raise TrackmarshalError(
                 "E481",
                 f"the limit `{field.name}` is {_shown(value)}",
-                help=f"it is {wanted}; inf takes a limit away",
+                help=f"it is {wanted}",
             )
 
     @classmethod
