@@ -27,8 +27,9 @@ MAX_BYTES = 64_000_000
 CODES = {
     "T290": (
         "a results file that cannot be read",
-        "A file in the results folder is not what `test`, `replay` and `assess` write: no JSON, another format, a newer version, or a "
-        "record with a field missing or of the wrong kind. Its contents count for nothing. Delete it, or write it again.",
+        "A file of records, a run that is kept (`import log --keep`) or what came of tests (`pytest --trackmarshal-results`), is not what writes "
+        "such: no JSON, another format, a newer version, or a record with a field missing or of the wrong kind. Its contents count for nothing. "
+        "Delete it, or write it again.",
     ),
 }  # fmt: skip
 
@@ -558,9 +559,7 @@ def load(path: Path, shown: str | None = None) -> ResultsFile:
         ) from error
 
 
-_HELP = (
-    "delete it: `trackmarshal assess` makes results anew, `trackmarshal import log --keep` the run of a log"
-)
+_HELP = "delete it: `trackmarshal import log --keep` makes the run of a log anew, `pytest --trackmarshal-results` what came of tests"
 T = TypeVar("T")
 _REQUIRED: Any = object()
 

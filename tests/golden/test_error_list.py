@@ -9,12 +9,15 @@ from __future__ import annotations
 import os
 import re
 import textwrap
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
 from trackmarshal.cli.catalogue import catalogue
 from trackmarshal.cli.main import main
+from trackmarshal.runtime.door.cases import KEYS
+from trackmarshal.trace.documents import DOCUMENTS
 
 GOLDEN = Path(__file__).parent
 PAGE = GOLDEN.parents[1] / "docs" / "errors.md"
@@ -93,3 +96,13 @@ def test_explain_knows_every_code(code: str, capsys: pytest.CaptureFixture[str])
     assert " ".join(printed.split()).endswith(" ".join(explanation.split()))
     assert title[0].islower() or title.split()[0].isupper() or title.startswith(("YAML", "JSON"))
     assert explanation.endswith((".", "}"))
+
+
+@pytest.mark.parametrize(("code", "all_"), [("T113", DOCUMENTS), ("D201", KEYS)])
+def test_what_lists_all_lists_all(code: str, all_: Iterable[str]) -> None:
+    assert set(all_) <= set(re.findall(r"[a-z-]+", catalogue()[code][1]))
+
+
+def test_records_are_said_to_be_written_by_what_writes_them() -> None:
+    """The results folder has none: results are in the evidence store, and what `replay --out` writes is in the folder that is named."""
+    assert not re.search(r"results folder|`(test|replay|assess)`", catalogue()["T290"][1])

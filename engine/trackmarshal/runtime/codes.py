@@ -1,7 +1,7 @@
 """Codes of what can be wrong with a case or a cycle, and with how a Supervisor is set up."""
 
 CODES = {
-    "D201": ("the case is not an object", "A case is one JSON object on one line: {\"id\": .., \"signals\": {..}, \"params\": {..}, \"tables\": {..}}."),
+    "D201": ("the case is not an object", "A case is one JSON object on one line: {\"id\": .., \"t\": .., \"signals\": {..}, \"params\": {..}, \"tables\": {..}, \"places\": {..}}."),
     "D202": ("wrong type", "A number, a list or an object stands where the signal's declaration asks for something else."),
     "D203": ("unknown parameter, table, place or field", "`params`, `tables` and `places` override what the spec declares, by its name; a name that it does not declare is refused. So is a key that is almost the name of one with a default, which would silently be used instead."),
     "D240": ("data in place of a table of two arguments", "`tables` in data, in recordings and in C's configuration are rows [x, y], of tables of one argument. A table of two is replaced as a whole by a configuration: a module that declares one of the same name, arguments and units."),

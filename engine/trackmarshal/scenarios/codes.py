@@ -12,8 +12,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D121": (
         "not a recording that is known here",
-        "Recordings are ScenarioArchitect archives (.saa), trackmarshal's own JSON Lines (.tmrec.jsonl, also with .gz) "
-        "and declarations that generate one (.yaml). What a file is, is told by its first bytes, and by its name only "
+        "Recordings are ScenarioArchitect archives (.saa), trackmarshal's own JSON Lines (.tmrec.jsonl, also with .gz), "
+        "records of runs (.arrows), and what one is made of (.yaml): declarations, and mappings of logs and of archives. What a file is, is told by its first bytes, and by its name only "
         "where these say nothing. Pickles (.sas) run code when they are loaded and are never opened.",
     ),
     "D122": (

@@ -18,7 +18,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T110": ("nested too deeply", "No document here needs such depth, and a bound keeps the reader's memory bounded."),
     "T111": ("a key that is not a text", "Keys are plain words; YAML would allow lists and mappings."),
     "T112": ("no v-model document", "requirements/v-model.yaml says which stages there are, what each must show, and what the gate demands. Without it there is nothing to hold a project against; in another file, nobody sees in its history which baseline it named."),
-    "T113": ("which document is this?", "Every file under requirements/ starts with `document:` and one of system-model, requirements, v-model."),
+    "T113": ("which document is this?", "Every file under requirements/ starts with `document:` and one of system-model, requirements, v-model, hazards, design, assurance, link-schema, argument."),
     "T114": ("a text that a comment cuts off", "To YAML, ` #` begins a comment wherever a text stands without quotes: of `The car shall stop before gate #4.`, the words up to `gate` would be demanded, and nobody told. Whether what follows belongs to the text, its author says with quotes. Behind ids, numbers, lists and texts in quotes, comments are comments."),
     "T120": ("a field is missing", "The field is mandatory: without it the record cannot be judged. The help says what belongs there."),
     "T121": ("an unknown field", "The record has no such field. A misspelt optional field would otherwise be lost without a word."),
