@@ -362,6 +362,36 @@ def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert caught.value.code == "D124"
 
 
+def test_a_car_that_stands_is_read_again_however_well_that_packs(tmp_path: Path) -> None:
+    """Of a real log with a stop: `import log` wrote a recording that no verb read."""
+    still = {**dict.fromkeys(plan(), [0.0] * 150), "t": [0.1 * k for k in range(150)]}
+    cycle = Cycle(
+        0.0, {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0}, [], {"driving": still, "emergency": still}
+    )
+    parked = replace(
+        sample(),
+        cycles=tuple(replace(cycle, t=0.1 * k) for k in range(120)),
+        ground_truth={},
+        given={},
+        because={},
+    )
+    for name in ("parked.tmrec.jsonl", "parked.tmrec.jsonl.gz"):
+        recording_io.write(parked, tmp_path / name)
+    whole = (tmp_path / "parked.tmrec.jsonl").read_bytes()
+    assert content.suspicious(len(gzip.compress(whole)), len(whole))
+    packed = tmp_path / "parked.tmrec.jsonl.gz"
+    assert scenarios.load(packed) == replace(parked, source=str(packed))
+    assert gzip.decompress(packed.read_bytes()) == whole
+
+
+def test_what_is_too_large_to_be_read_is_not_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(content, "MAX_BYTES", 100)
+    with pytest.raises(TrackmarshalError, match="the limit is 100") as caught:
+        recording_io.write(sample(), tmp_path / "x.tmrec.jsonl.gz")
+    assert caught.value.code == "D124"
+    assert not list(tmp_path.iterdir())
+
+
 def test_millions_of_lines_that_are_wrong_are_counted() -> None:
     """An error of each was kept: a file of 10 MB, or of 100 kB packed, took 2 GB."""
     text = next(recording_io.encode(sample())) + "\n" + "{}\n" * 5_000

@@ -69,6 +69,12 @@ def gunzip(data: bytes, shown: str) -> bytes:
     return content
 
 
+def gzipped(data: bytes) -> bytes:
+    """A gzip stream that `gunzip` reads: where it packs better than that believes, as of a car that stands, zeros follow, which all readers pass over."""
+    packed = gzip.compress(data, mtime=0)
+    return packed.ljust(-(-len(data) // MAX_RATIO), b"\0") if suspicious(len(packed), len(data)) else packed
+
+
 def text(data: bytes, shown: str) -> str:
     """UTF-8 to text, a byte order mark taken off; raises D126 with the line."""
     try:

@@ -7,7 +7,6 @@ was written gives an equal recording.
 
 from __future__ import annotations
 
-import gzip
 import json
 import math
 import os
@@ -31,16 +30,19 @@ VERSION = 1
 
 
 def write(recording: Recording, path: str | Path) -> None:
-    """Write a recording; packed where the path ends in .gz. Raises D120 where that fails or something else is there, D141 for what it cannot say.
+    """Write a recording; packed where the path ends in .gz. Raises D120 where that fails or something else is there, D124 for one that is too
+    large to be read, D141 for what it cannot say.
 
     What is written is decoded once before it reaches the disk: a file that cannot be read again is never made. It is written whole or not at all:
     a part of one that ends with a line would be a shorter recording, and what stood there before would be gone.
     """
     path = Path(path)
     data = "".join(line + "\n" for line in encode(recording)).encode()
+    if len(data) > content.MAX_BYTES:
+        raise content.too_large(str(path), f"{len(data)} bytes")
     decode(data, str(path))
     if path.suffix == ".gz":
-        data = gzip.compress(data, mtime=0)
+        data = content.gzipped(data)
     try:
         if not path.name.endswith((".tmrec.jsonl", ".tmrec.jsonl.gz")) and other_there(
             path, f'"{FORMAT}"'.encode()
