@@ -20,6 +20,7 @@ from trackmarshal.cli.replay import overruled
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
+from trackmarshal.scenarios import content
 
 #: Five cycles of a small spec, the third missing, with snapshots after two and four; written when rows did not say their places yet.
 OLD = Path(__file__).parent / "version_2.arrows.gz"
@@ -67,6 +68,19 @@ def test_same_decisions(record: Path, capsys: pytest.CaptureFixture[str]) -> Non
     status, out, err = replay(capsys, str(record))
     assert (status, err) == (0, "")
     assert out == f"{record}: 5 cycles, 2 drive, 3 previous_emergency\nsame decisions, bit for bit\n"
+
+
+def test_a_record_may_be_larger_than_a_recording(
+    record: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At 50 cycles a second and 30 samples, that of seven minutes was refused, and the help was to split it, which nobody can."""
+    monkeypatch.setattr(content, "MAX_BYTES", 1000)
+    assert replay(capsys, str(record))[0] == 0
+    monkeypatch.setattr(content, "MAX_RECORD", 1000)
+    status, _, err = replay(capsys, str(record))
+    assert status == 2
+    assert "bytes, the limit is 1000" in err
+    assert "help: begin a new record" in err
 
 
 def test_another_backend_decides_the_same(record: Path, capsys: pytest.CaptureFixture[str]) -> None:

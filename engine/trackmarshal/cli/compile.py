@@ -176,7 +176,7 @@ def _read(path: str, spec_path: Path, chosen: list[Path]) -> tuple[str, Recordin
     from trackmarshal.scenarios import content, load
 
     if is_record(path):
-        return Path(path).stem, read(content.read(Path(path), path), path)
+        return Path(path).stem, read(content.read_record(path), path)
     return Path(path).name.partition(".")[0], overruled(load(path), spec_path, chosen)
 
 

@@ -43,7 +43,7 @@ def replay_record(
     from trackmarshal.scenarios import content
     from trackmarshal.supervision import box_of, nearest, rerun
 
-    run = read(content.read(Path(path), path), path)
+    run = read(content.read_record(path), path)
     box = box_of(run, spec, backend)
     recorded = run.identity.get("fingerprint")
     if recorded != box.identity["fingerprint"] and not quiet:

@@ -12,20 +12,28 @@ from trackmarshal.files import fetching, read_regular
 
 #: Largest file that is read, and largest total that it may unpack to. A cycle takes about 5 kB.
 MAX_BYTES = 200_000_000
+#: Largest record of a run that is run again: at 50 cycles a second, less than it has is a drive of minutes, and nobody can split it.
+MAX_RECORD = 1_000_000_000
 #: Text of numbers packs to a half or a third of its size; a hundredth is something else.
 MAX_RATIO = 100
 #: Below this, the ratio is not looked at: short files of equal lines pack well.
 SMALL = 1_000_000
 
 
-def read(path: Path, shown: str) -> bytes:
-    """All bytes of a file; raises D120 or D124."""
+def read_record(path: str) -> bytes:
+    """All bytes of the record of a run; raises D120 or D124."""
+    return read(Path(path), path, MAX_RECORD, "begin a new record now and then, with a new Supervisor")
+
+
+def read(path: Path, shown: str, most: int | None = None, help_: str = "") -> bytes:
+    """All bytes of a file, up to MAX_BYTES, or so many; raises D120 or D124."""
+    most = MAX_BYTES if most is None else most
     try:
         size = path.stat().st_size
         if path.is_dir():
             raise TrackmarshalError("D120", "this is a folder", file=shown, help="name a file in it")
-        if size > MAX_BYTES:
-            raise too_large(shown, f"{size} bytes")
+        if size > most:
+            raise too_large(shown, f"{size} bytes", most, help_)
         return read_regular(path)
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = getattr(error, "strerror", None) or str(error)
@@ -41,12 +49,12 @@ def is_of(data: bytes, format: str) -> bool:
     )
 
 
-def too_large(shown: str, what: str) -> TrackmarshalError:
+def too_large(shown: str, what: str, most: int | None = None, help_: str = "") -> TrackmarshalError:
     return TrackmarshalError(
         "D124",
-        f"{what}, the limit is {MAX_BYTES}",
+        f"{what}, the limit is {MAX_BYTES if most is None else most}",
         file=shown,
-        help="split a long recording; don't open archives of unknown origin",
+        help=help_ or "split a long recording; don't open archives of unknown origin",
     )
 
 
