@@ -87,6 +87,18 @@ def test_a_module_behind_a_link_is_found_by_its_name(tmp_path: Path) -> None:
     assert "2 modules" in checked("specs")
 
 
+def test_what_a_link_leads_to_is_laid_out_and_the_link_stays(tmp_path: Path) -> None:
+    """The link became a file of its own, and what others read by theirs was as before."""
+    shared = tmp_path / "shared.spec"
+    shared.write_text("module shared\nparam  x:m = 2 m\n")
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs" / "shared.spec").symlink_to(shared)
+    assert run_command("fmt", "specs")[0] == 0
+    assert (tmp_path / "specs" / "shared.spec").readlink() == shared
+    assert shared.read_text() == "module shared\n\nparam x : m = 2 m\n"
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["shared.spec", "shared.spec", "specs"]
+
+
 @pytest.mark.parametrize("name", ["b.SPEC", "b.Spec"])
 @pytest.mark.parametrize("verb", ["check", "test", "fmt"])
 def test_a_suffix_in_capitals_is_refused(name: str, verb: str, tmp_path: Path) -> None:

@@ -6,14 +6,13 @@ With --check nothing is written, and files that would change are named.
 from __future__ import annotations
 
 import argparse
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project, spec_folders
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import write_whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
             say(f"would lay out {_shown(path)}")
             status = max(status, 1)
         else:
-            _replace(path, text)
+            write_whole(path, text.encode())
             if not args.quiet:
                 say(f"laid out {_shown(path)}")
     if not args.quiet and not changed and not status:
@@ -58,16 +57,3 @@ def _shown(path: Path) -> str:
     """As it is called from here, where it lies below: the project's own folders are whole paths."""
     here = Path.cwd()
     return str(path.relative_to(here) if path.is_relative_to(here) else path)
-
-
-def _replace(path: Path, text: str) -> None:
-    """Write beside the file and swap, so that an interruption leaves the old or the new text."""
-    descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as stream:
-            stream.write(text)
-        os.chmod(name, path.stat().st_mode & 0o777)
-        os.replace(name, path)
-    except BaseException:
-        os.unlink(name)
-        raise
