@@ -477,10 +477,12 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     assert "`course`, in degrees, 0 along +y, clockwise" in said
     assert "the adapter is all that it takes" in said
     assert "tm.heading_from" in adapter.read_text("utf-8")
-    assert (
-        main([*arguments, "--emergency", "trajs.fallback"]) == 2
-    )  # an adapter that is there is not written over
-    capsys.readouterr()
+    looked_over = adapter.read_bytes()
+    assert main([*arguments, "--emergency", "trajs.fallback"]) == 2  # it is not written over
+    err = capsys.readouterr().err
+    assert f"error[E412]: {adapter} is there already" in err, err
+    assert "choose another" in err
+    assert adapter.read_bytes() == looked_over
     asked = ["--project", str(ROOT), "check-planner", str(path), "--format", "json"]
     assert main(asked) == 1
     out = capsys.readouterr().out

@@ -40,14 +40,15 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import load
     from trackmarshal.integration.planner import check_planner
+    from trackmarshal.start.writing import refuse_present
 
+    if args.adapter:  # what somebody has looked over is not written over
+        refuse_present(Path(), [args.adapter])
     spec_path = Path(args.spec) if args.spec else default_spec(find_project(args))
     spec = load([spec_path], [Path(path) for path in args.settings], optional_project(args))
     report = check_planner(args.cycles, spec, args.most, args.driving, args.emergency)
     if args.adapter:
-        with open(
-            args.adapter, "x", encoding="utf-8"
-        ) as file:  # what somebody has looked over is not written over
+        with open(args.adapter, "x", encoding="utf-8") as file:
             file.write(report.adapter)
     if args.format == "json":
         print(dump(report.as_json()))
