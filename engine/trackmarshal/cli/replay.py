@@ -1,7 +1,8 @@
 """Run the rules over recordings: both candidates of every cycle, what is driven, and the ground truth.
 
 Recordings are `.tmrec.jsonl` (this tool's own format, also `.gz`), `.saa` (ScenarioArchitect), or declared scenarios (`.yaml`), of which they are
-generated. With --out, results are kept as evidence for the traceability matrix. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
+generated. With --out, what was said in each cycle and a summary of each run are written; evidence for the traceability matrix are runs that `trace` and
+`assess` make. The exit status is 1 when a run is outside of its ground truth, or unsafe where it has
 none. A record of a run (`.arrows`) is run again at the recorded times: the exit status is 1 when a decision is not the recorded one.
 """
 
@@ -367,7 +368,7 @@ def run_one(
 
 
 def json_lines(outcome: Replay) -> list[str]:
-    """One line a cycle and candidate, as `cli.md` describes."""
+    """One line a cycle and candidate, as replay.schema.json describes."""
     from trackmarshal.cli.record import faults_json
 
     lines = []
