@@ -70,6 +70,18 @@ def test_the_pages_of_an_assessment_have_the_day_of_the_commit(robot: Path) -> N
     assert (status, "T348" in err) == (2, True)
 
 
+def test_questions_and_the_argument_have_the_day_that_is_said(robot: Path) -> None:
+    """Beside a question, `--day` went unheard: what is waived was counted as of today."""
+    shutil.rmtree(robot / "out")  # so that no test was run
+    for words in (("trace", "--statistics"), ("gsn",)):
+        now, then = (command(robot, *words, *more)[1] for more in ((), ("--day", "commit")))
+        assert now != then
+        assert command(robot, *words, "--day", "2020-12-31")[1] == then
+        status, _, err = command(robot, *words, "--day", "2020-02-30")
+        assert (status, "T348" in err) == (2, True)
+    assert "waived" in command(robot, "trace", "--statistics", "--day", "commit")[1]
+
+
 def test_a_commit_is_not_made_before_those_that_it_comes_after(robot: Path) -> None:
     """Dated back, it would have a waiver hold that has expired."""
     git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2021-01-01T00:30:00 +0200")

@@ -410,7 +410,7 @@ def test_without_git_or_history(robot: Path, tmp_path: Path, monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    "more", [["--gate"], ["--accept-baseline"], ["--rerun"], ["--statistics"], ["--format", "html"], ["--from", "rule", "--to", "test"]]
+    "more", [["--gate"], ["--accept-baseline"], ["--rerun"], ["--statistics"], ["--format", "html"], ["--from", "rule", "--to", "test"], ["--day", "commit"]]
 )  # fmt: skip
 def test_what_does_not_go_with_it(more: list[str], robot: Path) -> None:
     status, _, err = command(robot, "trace", "--impact", "HEAD", *more)

@@ -130,6 +130,7 @@ def test_from_a_test_up_to_what_may_harm_somebody(warehouse: Path) -> None:
         (("--from", "SYS-1", "--to", "test", "--gate"), "`--gate` says nothing beside a question"),
         (("--statistics", "--accept-baseline"), "`--accept-baseline` says nothing beside a question"),
         (("--statistics", "--rerun"), "`--rerun` says nothing beside a question"),
+        (("--statistics", "--against", "HEAD"), "`--against` says nothing beside a question"),
         (
             ("--from", "rule", "--to", "test", "--statistics", "--format", "csv"),
             "paths and numbers are two tables, and CSV is one",

@@ -36,7 +36,8 @@ def asks(args: argparse.Namespace) -> bool:
     if not (question or args.impact is not None):
         return False
     for option, given in (
-        ("--gate", args.gate), ("--accept-baseline", args.accept_baseline), ("--rerun", args.rerun), ("--impact", question and args.impact is not None)
+        ("--gate", args.gate), ("--accept-baseline", args.accept_baseline), ("--rerun", args.rerun), ("--impact", question and args.impact is not None),
+        ("--against", args.against is not None), ("--day", args.impact is not None and args.day is not None),
     ):  # fmt: skip
         if given:
             raise TrackmarshalError(

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trackmarshal.cli import days
 from trackmarshal.cli.output import say, write
 from trackmarshal.cli.project import find_project
 from trackmarshal.errors import TrackmarshalError
@@ -34,16 +35,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gate", action="store_true", help="exit 1 when something is wrong with the argument"
     )
+    days.configure(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show the argument; 1 with --gate where something is wrong with it, 2 where a document cannot be read. Raises T424 to T427."""
+    """Show the argument; 1 with --gate where something is wrong with it, 2 where a document cannot be read. Raises T348, T424 to T427."""
     from trackmarshal.cli.assessment import assess
     from trackmarshal.trace.gsn.building import build
 
     root = find_project(args)
+    today = days.day(args.day, root)
     found = assess(root, run=False, quiet=args.quiet)
-    matrix = found.matrix()
+    matrix = found.matrix(today)
     case = build(matrix, found.project, root)
     made = _rendered(case, _chosen(case, args.module), args)
     if args.out is not None:

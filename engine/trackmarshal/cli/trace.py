@@ -78,7 +78,8 @@ def _run(args: argparse.Namespace) -> int:
     if asking.asks(args):
         if args.impact is not None:
             return impact.answer(root, args)
-        return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(), args)
+        today = days.day(args.day, root)
+        return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(today), args)
     if args.against is not None and args.format != "html":
         raise TrackmarshalError(
             "T364", f"`--against` shows nothing as {args.format}", help="add `--format html`"
