@@ -235,6 +235,16 @@ def test_the_command(
         )
         == 0
     )
+    for more, said in (
+        (["--limits", "--out", str(out)], "makes no report, which --limits would be of"),
+        (
+            ["--rule", "friction", "--format", "json", "--out", str(out)],
+            "which --rule and --format json would",
+        ),
+        ([], "say with --out where it goes"),
+    ):
+        assert main(["import", "log", "--map", str(EXTRACT), "--no-report", *more]) == 2
+        assert said in capsys.readouterr().err
     recording = load_recording(out)
     assert recording.use == ("specs/vehicles/av21.spec", "specs/tracks/lvms.spec")
     assert main(["replay", str(out)]) == 0

@@ -170,6 +170,11 @@ def test_benchmarks() -> None:
     Path("tests/benchmarks/bench_made.py").write_text(text, "utf-8")
     (found,) = printed("bench", "--format", "json", "--quiet")
     assert [(one["value"], one["limit"]) for one in found["results"]] == [(1.0, 2.0), ("inf", None)]
+    # One of two that there is not was left out without a word.
+    status, out, err = run_command("bench", "made", "mode", "--quiet")
+    assert (status, out) == (2, "")
+    assert "error[E461]: no benchmark mode in" in err
+    assert "help: made" in err
 
 
 @pytest.mark.usefixtures("folder")

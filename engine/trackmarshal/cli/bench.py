@@ -35,14 +35,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     folder = find_project(args) / "tests" / "benchmarks"
     files = sorted(folder.glob("bench_*.py"))
-    if args.names:
-        files = [file for file in files if file.stem.removeprefix("bench_") in args.names]
-    if not files:
+    known = {file.stem.removeprefix("bench_"): file for file in files}
+    lacking = [name for name in args.names if name not in known]
+    if lacking or not files:
         raise TrackmarshalError(
             "E461",
-            f"no benchmark{''.join(f' {name}' for name in args.names)} in {folder}",
-            help="see the files there",
+            f"no benchmark{''.join(f' {name}' for name in lacking)} in {folder}",
+            help=", ".join(known) or "see the files there",
         )
+    if args.names:
+        files = [file for name, file in known.items() if name in args.names]
     rows = []
     for file in files:
         if not args.quiet:

@@ -18,6 +18,8 @@ _OF_LOG = {
     "map": "--map", "begin": "--from", "end": "--to", "no_report": "--no-report", "limits": "--limits", "keep": "--keep",
     "spec": "--spec", "rule": "--rule", "settings": "--with",
 }  # fmt: skip
+#: Those that say something of the report.
+_OF_REPORT = ("limits", "spec", "rule", "settings")
 _OF_REQUIREMENTS = {"force": "--force", "fields": "--field", "defaults": "--default"}
 
 
@@ -82,8 +84,20 @@ def run(args: argparse.Namespace) -> int:
     if log:
         if not args.map:
             args.refuse("the following arguments are required: --map")
+        if args.no_report and not args.keep:  # which refuses it itself
+            _refuse_unheard(args)
         args.format = args.format or "text"
         return import_log.run(args)
     if not args.file:
         args.refuse("the following arguments are required: FILE")
     return import_requirements.run(args)
+
+
+def _refuse_unheard(args: argparse.Namespace) -> None:
+    """Without a report, there is nothing of which an option of the report could say something, and nothing at all where no recording is written."""
+    given = [_OF_LOG[name] for name in _OF_REPORT if getattr(args, name)]
+    given += ["--format json"] if args.format == "json" else []
+    if given:
+        args.refuse(f"`--no-report` makes no report, which {' and '.join(given)} would be of")
+    if not args.out:
+        args.refuse("`--no-report` only makes the recording: say with --out where it goes")
