@@ -124,3 +124,20 @@ def test_so_are_cycles_of_which_later_ones_say_something(tmp_path: Path) -> None
     assert third == [(3, "open"), (1, "violated"), (2, "violated")]
     assert [one["cycle"] for one in last["end"]["recovers"]] == [3]
     assert run_command(*command)[1].splitlines()[-1].split() == ["recovers", "3", "violated", "-1"]
+
+
+@pytest.mark.parametrize("backend", ["numpy", "reference"])
+def test_cycles_have_what_a_rule_comes_to_at_every_sample_too(backend: str, tmp_path: Path) -> None:
+    """Of a run, `--series` went unheard."""
+    (tmp_path / "low.spec").write_text(
+        "module low\nsignal plan : series { t: s increasing, v: m/s }\n"
+        "rule slow along plan as p require always[0 s, 1 s] p.v <= 5 m/s\n",
+        encoding="utf-8",
+    )
+    cycle = {"t": 0, "signals": {"plan": {"t": [0, 1, 3], "v": [4, 6, 2]}}}
+    (tmp_path / "run.jsonl").write_text(json.dumps(cycle) + "\n", encoding="utf-8")
+    command = ["eval", str(tmp_path / "low.spec"), "--data", str(tmp_path / "run.jsonl"), "--series"]
+    command += ["--format", "jsonl", "--backend", backend]
+    alone, of_run = (json.loads(run_command(*command, *more)[1].splitlines()[0]) for more in ((), ("--run",)))
+    said = {"verdict": ["violated", "violated", "satisfied"], "margin": [-1.0, -1.0, 3.0]}
+    assert alone["rules"]["slow"]["series"] == of_run["rules"]["slow"]["series"] == said

@@ -172,7 +172,7 @@ class _Cycles:
 def _flush_run(pending: list[Numbered], going: _Cycles | Frames, args: argparse.Namespace) -> int:
     """Evaluate and print some cycles; 2 when one could not be read, 1 when one is not safe, else 0."""
     status = 0
-    for (line, identity, _), result in zip(pending, going.step([case for *_, case in pending])):
+    for (line, identity, _), result in zip(pending, going.step([case for *_, case in pending], args.series)):
         called = line if identity is None else identity
         if isinstance(result, TrackmarshalError):
             result.file, result.line = result.file or args.data, result.line or line
