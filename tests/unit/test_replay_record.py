@@ -83,6 +83,18 @@ def test_a_record_may_be_larger_than_a_recording(
     assert "help: begin a new record" in err
 
 
+def test_one_record_makes_one_file_for_foxglove(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The second one took the place of the first, without a word."""
+    (tmp_path / "other.arrows").write_bytes(record.read_bytes())
+    mcap = tmp_path / "run.mcap"
+    status, out, err = replay(capsys, str(record), str(tmp_path / "other.arrows"), "--mcap", str(mcap))
+    assert (status, out) == (2, "")
+    assert "error[E434]: `--mcap` makes one file of one record, and 2 are to be replayed" in err
+    assert not mcap.exists()
+
+
 def test_another_backend_decides_the_same(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert replay(capsys, str(record), "--backend", "reference")[0] == 0
 

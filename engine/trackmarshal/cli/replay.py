@@ -48,8 +48,9 @@ CODES = {
         "`replay --out` calls its files by the recording's name, which has to be one that stays in that folder, and another one for each run.",
     ),
     "E434": (
-        "nothing to export",
-        "`--mcap` exports the record of a run of the Supervisor, which has every decision and its reasons; a recording has none yet.",
+        "no one record to export",
+        "`--mcap` exports the record of a run of the Supervisor, which has every decision and its reasons; a recording has none yet. One record makes one file: of "
+        "several, each would take the place of the one before.",
     ),
     "E436": (
         "a place that a replay cannot start at",
@@ -110,6 +111,12 @@ def _all(args: argparse.Namespace) -> int:
     written: set[str] = set()
     order = rulebook(load([spec_path, *more], settings, project), args.rulebook) if args.rulebook else None
     compared = Runs(args.format)
+    if args.mcap and len(args.scenarios) > 1:
+        raise TrackmarshalError(
+            "E434",
+            f"`--mcap` makes one file of one record, and {len(args.scenarios)} are to be replayed",
+            help="replay each by itself, with a file of its own",
+        )
     for path in args.scenarios:
         if is_record(path):
             spec = load([spec_path, *more], settings, project)
