@@ -352,6 +352,7 @@ rule warm "r"
         (["--", "-x", "."], "T361"),
         ([".", ".", "--spec", "specs/other.spec"], "T362"),
         ([".", ".", "--renamed", "a=b"], "T362"),
+        (["specs/supervisor", "specs/supervisor", "--spec", "specs/variants"], "T362"),
     ],
 )
 def test_what_cannot_be_compared(

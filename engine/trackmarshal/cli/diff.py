@@ -63,6 +63,12 @@ def run(args: argparse.Namespace) -> int:
         sides = [
             _Side(name, args, Path(folder) / str(number)) for number, name in enumerate((args.old, args.new))
         ]
+        if args.spec is not None and all(side.is_spec for side in sides):
+            raise TrackmarshalError(
+                "T362",
+                f"`--spec {args.spec}` is of projects and revisions, and `{args.old}` and `{args.new}` are specs themselves",
+                help="leave it out, or name what it is to be looked for in",
+            )
         pairs = []
         for path in args.on:
             recording = load(path)
@@ -90,11 +96,13 @@ class _Side:
         self._home = optional_project(args)
         self._settings = [Path(path) for path in args.settings]
         self._known = Known()
+        #: Whether it is a spec itself, and no project or revision, in which one has to be found.
+        self.is_spec = False
         path = Path(name)
         if (path / MARKER).is_file():
             self._project: Path | None = path.resolve()
         elif path.exists():
-            self._project, self._spec = self._home, path
+            self._project, self._spec, self.is_spec = self._home, path, True
             return
         else:
             folder.mkdir()
