@@ -32,7 +32,10 @@ _GENERATED = b"/* Generated from a spec by trackmarshal."
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "spec", nargs="?", metavar="SPEC", help="a .spec file, or a folder of them (default: the project's)"
+        "spec",
+        nargs="?",
+        metavar="SPEC",
+        help="a .spec file, or a folder of them (default: the one that the project replays with)",
     )
     parser.add_argument("--target", choices=("c",), default="c", help="the language to compile to")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the files go; made if need be")
