@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError, wrong_type
+from trackmarshal.files import open_regular
 from trackmarshal.integration import adapter as written
 from trackmarshal.integration.findings import Finding, at_the_door, of_motion, of_structure
 from trackmarshal.integration.mapped import Mapped, read
@@ -177,7 +178,7 @@ def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     from trackmarshal.json_text import BadJson, parse
     from trackmarshal.scenarios import content, load
 
-    data = content.read(path, str(path))
+    data = _beginning(path, most) or content.read(path, str(path))
     if data.startswith((b"PK\x03\x04", b"\xff\xff\xff\xff")):
         recording = load(path)
         rows = [
@@ -222,6 +223,24 @@ def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         if len(raws) == most:
             break
     return raws, header
+
+
+def _beginning(path: Path, most: int) -> bytes:
+    """Of JSON Lines that are more than a recording may have, as a planner writes in an hour, the header and as many cycles as are asked for; empty for all else."""
+    from trackmarshal.scenarios import content
+
+    left, lines, found = content.MAX_BYTES, list[bytes](), 0
+    if not path.is_file() or path.stat().st_size <= left:
+        return b""
+    with open_regular(path) as stream:
+        if stream.read(1) != b"{":
+            return b""
+        stream.seek(0)
+        while found <= most and left > 0 and (line := stream.readline(left)):
+            lines.append(line)
+            found += bool(line.strip())
+            left -= len(line)
+    return b"".join(lines) if left > 0 else b""
 
 
 def _plain(column: Column) -> dict[str, Any]:
