@@ -262,6 +262,14 @@ def test_the_command(
     assert "E435" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("time", ["nan", "inf", "-1", "1e7"])
+@pytest.mark.parametrize("option", ["--from", "--to"])
+def test_a_time_that_is_none_of_a_log(option: str, time: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """From `nan` or `inf` on was an internal error, and to `nan` was to the end."""
+    assert main(["import", "log", "--map", str(EXTRACT), f"{option}={time}"]) == 2
+    assert f"{option} is a time from 0 to 1e+06 s, not {float(time):g}" in capsys.readouterr().err
+
+
 def test_a_mapping_is_a_recording_too() -> None:
     """`replay` takes it as it takes a declaration."""
     recording = load_recording(EXTRACT)

@@ -42,6 +42,9 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.scenarios.recording_io import moved, write
 
     _may_keep(args)
+    for option, time in (("--from", args.begin), ("--to", args.end)):
+        if time is not None and not 0.0 <= time <= mappings.LATEST:  # NaN too
+            args.refuse(f"{option} is a time from 0 to {mappings.LATEST:g} s, not {time:g}")
     mapping = mappings.read(Path(args.map))
     if args.begin is not None:
         mapping = replace(mapping, begin=args.begin)

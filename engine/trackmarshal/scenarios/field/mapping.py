@@ -15,6 +15,8 @@ from trackmarshal.units import NUMBER, SPEED, TIME, Dimension, over, parse_unit
 FORMAT = "trackmarshal-log-map"
 VERSION = 1
 _HASH_LENGTH = 64
+#: s: up to when cycles are made, from the first row.
+LATEST = 1e6
 
 #: What a log's columns may be, with their dimension; the first five have to be there.
 COLUMNS: dict[str, Dimension] = {
@@ -129,8 +131,8 @@ def _mapping(root: Item, folder: Path) -> Mapping:
         raise top["version"].wrong("this version is not known", f"known is {VERSION}", "D143")
     columns, zero, sign = _columns(top["columns"])
     time = top["time"].fields((), ("from", "to", "rate")) if "time" in top else {}
-    begin = time["from"].number(0.0) if "from" in time else 0.0
-    end = time["to"].number(begin, 1e6) if "to" in time else None
+    begin = time["from"].number(0.0, LATEST) if "from" in time else 0.0
+    end = time["to"].number(begin, LATEST) if "to" in time else None
     track = top["track"].fields(("left", "right"), ("closed",))
     plan = top["plan"].fields(("horizon", "step"))
     emergency = top["emergency"].fields(("share",))
