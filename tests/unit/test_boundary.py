@@ -179,6 +179,31 @@ def test_the_gate_asks_for_it(tmp_path: Path) -> None:
     assert command(tmp_path, "test")[1].splitlines()[-2].startswith('slow: "at it" takes any margin')
 
 
+@pytest.mark.parametrize(
+    ("asked", "status", "said"),
+    [
+        ("{boundary: 0}", 0, ""),
+        ("{boundary: 1}", 1, "slow  3      yes     yes      NO"),
+        ("{boundary: 0, violated: 2}", 1, "slow  3      yes     NO       n/a"),
+    ],
+)
+def test_as_many_tests_are_asked_for_as_the_project_says(
+    asked: str, status: int, said: str, tmp_path: Path
+) -> None:
+    """`test` asked for one each, so that it failed where the gate was content, and was content where that failed."""
+    project(tmp_path, v="8", within="1000", more=f"  tests_per_rule: {asked}\n")
+    made, out, _ = command(tmp_path, "test")
+    assert made == status
+    assert not said or said in [line.rstrip() for line in out.splitlines()], out
+    assert ("T212" in command(tmp_path, "trace", "--gate")[1]) == bool(status)
+    _, annotated, _ = command(tmp_path, "test", "--format", "github")
+    assert ("fewer tests than `tests_per_rule` asks for outside of its boundary" in annotated) == (
+        "2" in asked
+    )
+    cases = command(tmp_path, "test", "--format", "junit")[1]
+    assert cases.count("<failure") == status
+
+
 def test_another_distance_makes_results_anew(tmp_path: Path) -> None:
     assert command(project(tmp_path, v="9.98", within="0.03"), "trace", "--accept-baseline")[0] == 0
     assert "T212" in command(tmp_path, "trace", "--gate")[1]

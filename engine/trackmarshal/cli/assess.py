@@ -141,7 +141,14 @@ def _shown(made: Assessment) -> Shown:
     sources = made.sources
     unmoved = {(r.rule, r.title): r.unmoved for r in made.results}
     failed = {(r.rule, r.title) for r in made.results if r.outcome != "passed"}
-    covered = coverage(sources.compiled.spec, sources.prepared, unmoved, sources.distances, failed)
+    covered = coverage(
+        sources.compiled.spec,
+        sources.prepared,
+        unmoved,
+        sources.distances,
+        failed,
+        made.project.tests_per_rule,
+    )
     runs = []
     while made.replays:  # what was kept of a run is large, and done with when its record is made
         summary, outcome, evaluator = made.replays.pop(0)

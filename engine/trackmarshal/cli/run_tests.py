@@ -1,6 +1,6 @@
-"""Run the tests written in specs, with every evaluator, and say which sides of each rule's boundary they cover.
+"""Run the tests written in specs, with both evaluators in Python (the reference and numpy), and say which sides of each rule's boundary they cover.
 
-A rule is covered when tests stand on both sides of its boundary and exactly on it. One stands on it that expects a margin of about 0, and fails
+A rule is covered when tests stand on both sides of its boundary and exactly on it, as many as the project asks for (`tests_per_rule`). One stands on it that expects a margin of about 0, and fails
 where the rule's limits are moved a little, both ways.
 """
 
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.diagnostics.text import render
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
-    from trackmarshal.testing.run import coverage, has_boundary, run_tests
+    from trackmarshal.testing.run import coverage, run_tests
 
     project = optional_project(args)
     where = shown_from(args, project, ("json", "github", "junit"))
@@ -55,11 +55,11 @@ def run(args: argparse.Namespace) -> int:
     found = [*found, *unconstrained(compiled)]
     if found:
         print(render(found, colour=coloured()), file=sys.stderr)
-    distances = _distances(project)
+    distances, needs = _asked(project)
     outcomes = list(run_tests(compiled.spec, tests, distances=distances))
     unmoved = {(o.test.rule.name, o.test.title): o.unmoved for o in outcomes}
     failed = {(o.test.rule.name, o.test.title) for o in outcomes if o.outcome != "passed"}
-    covered = coverage(compiled.spec, tests, unmoved, distances, failed)
+    covered = coverage(compiled.spec, tests, unmoved, distances, failed, needs)
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
     if not _print(outcomes, covered, found, args.format, where):
@@ -72,9 +72,7 @@ def run(args: argparse.Namespace) -> int:
             [
                 c.rule.name,
                 str(c.tests),
-                _mark(c.satisfied),
-                _mark(c.violated),
-                _mark(c.boundary) if has_boundary(c.rule) else "n/a",
+                *(_mark(c, side) for side in ("satisfied", "violated", "boundary")),
             ]
             for c in partial
         ]
@@ -104,14 +102,21 @@ def _print(outcomes: Sequence[Outcome], covered: Sequence[Coverage], found: Sequ
     return True
 
 
-def _distances(project: Path | None) -> Distances:
-    """How far limits are moved, as the project says, if there is one."""
+def _asked(project: Path | None) -> tuple[Distances, Iterable[tuple[str, int]]]:
+    """How far limits are moved, and how many tests each rule has at least, by side: as the project says, if there is one."""
     from trackmarshal.cli.sources import distances
     from trackmarshal.testing.boundary import Distances
+    from trackmarshal.testing.run import ONE_EACH
     from trackmarshal.trace import requirements
 
-    return Distances() if project is None else distances(requirements.load(project, []))
+    if project is None:
+        return Distances(), ONE_EACH
+    said = requirements.load(project, [])
+    return distances(said), said.tests_per_rule
 
 
-def _mark(there: bool) -> str:
-    return "yes" if there else "NO"
+def _mark(covered: Coverage, side: str) -> str:
+    """Whether a side has its tests; none where nothing is asked of it, or the rule has no such side."""
+    if getattr(covered, side):
+        return "yes"
+    return "NO" if side in dict(covered.lacking) else "n/a"

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.cli.output import dump
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.testing.run import has_boundary
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
@@ -118,12 +117,9 @@ def _lines(
 
 def lacks(c: Coverage) -> str:
     """What tests of a rule do not cover, in a sentence."""
-    sides = [
-        name
-        for name, there in (
-            ("inside", c.satisfied), ("outside", c.violated), ("on", c.boundary or not has_boundary(c.rule)),
-        )
-        if not there
-    ]  # fmt: skip
-    said = f"`{c.rule.name}` has no test {' and none '.join(sides)} {'of ' if sides[-1] != 'on' else ''}its boundary"
+    called = {"satisfied": "inside", "violated": "outside", "boundary": "on"}
+    sides = [called[side] for side, _ in c.lacking]
+    many = any(number > 1 for _, number in c.lacking)
+    few, more = ("fewer tests than `tests_per_rule` asks for", "and") if many else ("no test", "and none")
+    said = f"`{c.rule.name}` has {few} {f' {more} '.join(sides)} {'of ' if sides[-1] != 'on' else ''}its boundary"
     return "; ".join([said, *c.beside])

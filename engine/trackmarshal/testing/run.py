@@ -24,6 +24,9 @@ from trackmarshal.testing.moving import moved, moves
 from trackmarshal.testing.si import spec_in_si
 from trackmarshal.units import beside, written
 
+#: How many tests a rule has at least, by side, where a project does not say otherwise.
+ONE_EACH = (("satisfied", 1), ("violated", 1), ("boundary", 1))
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -40,7 +43,8 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Which sides of a rule's boundary its tests stand on. beside: of tests that are to be on it and are not, why."""
+    """Which sides of a rule's boundary its tests stand on: at least one of them, and as many as are asked for. beside: of tests that are to be on it and
+    are not, why. lacking: the sides that are asked for and lack tests, with how many."""
 
     rule: RuleInfo
     tests: int
@@ -48,10 +52,11 @@ class Coverage:
     violated: bool
     boundary: bool
     beside: tuple[str, ...] = ()
+    lacking: tuple[tuple[str, int], ...] = ()
 
     @property
     def complete(self) -> bool:
-        return self.satisfied and self.violated and (self.boundary or not has_boundary(self.rule))
+        return not self.lacking
 
 
 def has_boundary(rule: RuleInfo) -> bool:
@@ -259,12 +264,14 @@ def coverage(
     unmoved: Mapping[tuple[str, str], str] | None = None,
     distances: Distances | None = None,
     failed: Collection[tuple[str, str]] = (),
+    needs: Iterable[tuple[str, int]] = ONE_EACH,
 ) -> list[Coverage]:
     """Every rule and monitor with what its tests show, in the order of the spec.
 
     unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same. failed: those that
-    did not pass, which show nothing.
+    did not pass, which show nothing. needs: how many tests each rule has at least, by side.
     """
+    wanted = dict(needs)
     distances, unmoved = distances or Distances(), unmoved or {}
     by_rule: dict[str, list[PreparedTest]] = {}
     for test in tests:
@@ -275,21 +282,22 @@ def coverage(
             continue
         own = by_rule.get(rule.name, [])
         shown = [test for test in own if (rule.name, test.title) not in failed]
-        verdicts = {test.verdict for test in shown}
         said = [
             not_on_it(test.title, *near(test, spec, distances), unmoved.get((rule.name, test.title), ""))
             for test in shown
             if near(test, spec, distances).distance
         ]
-        on_it = any(not why for why in said)
-        result.append(
-            Coverage(
-                rule,
-                len(own),
-                "satisfied" in verdicts,
-                "violated" in verdicts,
-                on_it,
-                () if on_it else tuple(said),
-            )
+        have = {
+            "satisfied": sum(test.verdict == "satisfied" for test in shown),
+            "violated": sum(test.verdict == "violated" for test in shown),
+            "boundary": sum(not why for why in said),
+        }
+        there = {side: have[side] >= max(1, wanted[side]) for side in have}
+        lacking = tuple(
+            (side, wanted[side])
+            for side in have
+            if have[side] < wanted[side] and (side != "boundary" or has_boundary(rule))
         )
+        beside = () if there["boundary"] else tuple(filter(None, said))
+        result.append(Coverage(rule, len(own), **there, beside=beside, lacking=lacking))
     return result
