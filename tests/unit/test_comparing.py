@@ -15,6 +15,7 @@ import pytest
 
 import trackmarshal as tm
 from support.schemas import hold
+from trackmarshal.cli.diff import _renamed as renamed_by
 from trackmarshal.cli.main import main
 from trackmarshal.comparing import (
     EQUAL,
@@ -360,6 +361,19 @@ def test_what_cannot_be_compared(
 ) -> None:
     assert main(["diff", "--on", "specs/scenarios/cut_in.tmrec.jsonl", "--quiet", *arguments]) == 2
     assert f"error[{code}]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [(["a=b", "a=c"], "the old rule `a` twice"), (["a=c", "b=c"], "the new rule `c` twice")],
+)
+def test_a_rule_has_one_other_name(given: list[str], said: str) -> None:
+    """Of `a=b` and `a=c` the last one counted."""
+    with pytest.raises(tm.TrackmarshalError, match=said) as caught:
+        renamed_by(given, [])
+    assert caught.value.code == "T362"
+    assert renamed_by(["a=b", "b=a"], []) == {"a": "b", "b": "a"}
+    assert renamed_by([], []) == {}
 
 
 def test_without_git_or_history(

@@ -293,6 +293,17 @@ def test_a_default_beside_a_column_of_nearly_its_name_is_named() -> None:
     assert (found, [one["asil"] for one in documents[0].requirements]) == ([], ["QM", "D", "B"])
 
 
+@pytest.mark.parametrize("option", ["--default", "--field"])
+def test_of_two_words_for_one_field_none_counts(
+    option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of `--default asil=QM --default asil=D` the last one counted, and nothing said so."""
+    (tmp_path / "r.csv").write_text("id,title\nR-1,A\n", "utf-8")
+    words = ["import", "requirements", str(tmp_path / "r.csv"), "--out", str(tmp_path / "r.yaml")]
+    assert main([*words, option, "asil=D", option, "asil=QM"]) == 2
+    assert f"error[T360]: `{option} asil=..` is given twice" in capsys.readouterr().err
+
+
 def test_a_default_is_named_by_its_word() -> None:
     """And not by its identifier, of which nobody knows what it says."""
     value = "<ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>"

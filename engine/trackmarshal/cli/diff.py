@@ -18,6 +18,7 @@ from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import plain, progress, say, write
 from trackmarshal.cli.project import MARKER, optional_project
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import named_twice
 
 if TYPE_CHECKING:
     from trackmarshal.comparing import Judged
@@ -156,6 +157,12 @@ def _note(old: Judged, new: Judged) -> None:
 def _renamed(given: Sequence[str], pairs: Sequence[object]) -> dict[str, str]:
     from trackmarshal.comparing import Pair
 
+    for names, side in zip(zip(*(text.partition("=")[::2] for text in given)), ("old", "new")):
+        twice = named_twice(names)
+        if twice is not None:
+            raise TrackmarshalError(
+                "T362", f"`--renamed` names the {side} rule `{twice}` twice", help="a rule has one other name"
+            )
     renamed = dict(text.partition("=")[::2] for text in given)
     for old, new in renamed.items():
         for name, one in ((old, "old"), (new, "new")):

@@ -6,7 +6,7 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Iterable
+from collections.abc import Sequence
 from pathlib import Path
 
 from trackmarshal.cli.output import count, say
@@ -102,7 +102,12 @@ def _write(target: Path, text: str) -> None:
     write_whole(target, text.encode("utf-8"))
 
 
-def _pairs(given: Iterable[str], option: str) -> dict[str, str]:
+def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
+    twice = named_twice(text.partition("=")[0] for text in given)
+    if twice is not None:
+        raise exchange.Refused(
+            "T360", f"`{option} {twice}=..` is given twice", "", help="leave out one of both"
+        )
     pairs = dict(text.partition("=")[::2] for text in given)
     for name, text in pairs.items():
         if name not in exchange.FIELDS or not text:
