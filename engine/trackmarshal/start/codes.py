@@ -4,7 +4,8 @@ CODES = {
     "E412": (
         "something is there already",
         "`trackmarshal init` and `trackmarshal new` only write what is new: where one of their files is there, or what they are to declare is declared, they write nothing"
-        " at all. Choose another folder or another name, or edit what is there. What other verbs write, such as `show --out`, takes the place of nothing but a file of its kind.",
+        " at all. Choose another folder or another name, or edit what is there. What other verbs write, such as `show --out`, takes the place of nothing but a file of its kind; only what fills "
+        "a folder that is named for it (`assess`, `case`, `gsn --out`, `replay --out`) is written over files of the same names there.",
     ),
     "E413": (
         "a name that cannot be used",
