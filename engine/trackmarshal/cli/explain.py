@@ -28,7 +28,9 @@ CODES = {
 }  # fmt: skip
 
 
-_CODES_HELP = "E and W are about specs and commands, D about data, T about traceability; docs/errors.md lists all"
+_CODES_HELP = (
+    "E and W are about specs and commands, D about data, T about traceability; docs/errors.md lists all"
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
