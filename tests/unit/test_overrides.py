@@ -156,6 +156,26 @@ def test_whoever_replays_gives_what_is_missing_with_a_reason(tmp_path: Path) -> 
     assert "A-FRESH" in out
 
 
+def test_whoever_asks_why_gives_it_as_well(tmp_path: Path) -> None:
+    """The numbers were those of the default, with which the rule is satisfied."""
+    asked = [
+        "explain",
+        planned(tmp_path),
+        "--spec",
+        str(tmp_path / "small.spec"),
+        "--rule",
+        "A-FRESH",
+        "--at",
+        "0.1",
+    ]
+    status, out, _ = run_command(*asked, "--given", "objects.age=0.15", "--because", WHY)
+    assert status == 0
+    assert "0.15 s" in out
+    assert "violated" in out
+    status, _, err = run_command(*asked, "--given", "objects.age=0.15")
+    assert (status, "error[E437]" in err) == (2, True)
+
+
 @pytest.mark.parametrize(
     ("arguments", "part"),
     [

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.cli.giving import choose_given, with_given
 from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
@@ -45,6 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="spec file or folder (repeatable; default: the project's)",
     )
     configure_with(parser)
+    choose_given(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -84,6 +86,7 @@ def _verdict(args: argparse.Namespace) -> int:
     spec_path, *more = map(Path, args.spec) if args.spec else [default_spec(find_project(args))]
     settings = [Path(p) for p in args.settings]
     recording = overruled(load(args.what), spec_path, settings, more)
+    recording = with_given(recording, args.given, args.because)
     project = optional_project(args)
     evaluator = evaluator_for(recording, spec_path, settings, project, [args.rule], "reference", more=more)
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
