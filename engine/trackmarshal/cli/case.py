@@ -4,7 +4,8 @@ trackmarshal case --out DIR
 trackmarshal case --out DIR --day 2026-11-30 --templates OWN
 trackmarshal case --out DIR --words de
 
-Nothing is run: `trackmarshal assess` brings the evidence up to date. The exit status is 1 when the gate fails. The PDF needs the extra `pdf`; without
+Nothing is run: `trackmarshal assess` brings the evidence up to date. The exit status is 1 when the gate fails, when the argument has an error, and
+where no day is said, when a waiver has expired since the commit. The PDF needs the extra `pdf`; without
 it, the HTML is written all the same.
 """
 

@@ -2,7 +2,7 @@
 
 Tests, scenarios and faults that the evidence store has no result of, from the same inputs, are run before the matrix is made; `--as-is`
 reads what is there, and `--rerun` runs everything again and tells what comes out differently.
-With --gate, the exit status is 1 when something that v-model.yaml demands is not covered.
+With --gate, the exit status is 1 when any finding is an error, such as that something is not covered which v-model.yaml demands.
 
 With --from and --to, it says over which links one thing leads to another (`trace --from S-1-A-4 --to test`); with --impact REV, what an edit
 means for the evidence.
@@ -30,7 +30,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     impact.configure(parser)
     against.configure(parser)
     what = parser.add_mutually_exclusive_group()
-    what.add_argument("--gate", action="store_true", help="exit 1 when a gap is neither covered nor waived")
+    what.add_argument(
+        "--gate",
+        action="store_true",
+        help="exit 1 when any finding is an error, such as a gap that nobody waived",
+    )
     what.add_argument(
         "--accept-baseline",
         action="store_true",
