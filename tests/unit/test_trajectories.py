@@ -195,6 +195,17 @@ def test_a_tail_that_creeps_for_more_than_a_minute() -> None:
     assert tm.cut_at_rest(plan, speed=0.05)["t"][-1] == plan["t"][-1]
 
 
+@pytest.mark.parametrize("samples", [1, 2, 3])
+def test_what_stands_from_its_start_is_two_samples(samples: int) -> None:
+    """However many it was planned with: the Supervisor refuses a trajectory of a single sample."""
+    stands = [0.0] * samples
+    plan = {"t": [0.1 * i for i in range(samples)], "x": [3.0] * samples, "y": [4.0] * samples, "v": stands}
+    cut = tm.cut_at_rest(plan)
+    assert {name: column.tolist() for name, column in cut.items()} == {
+        "t": [0.0, 0.1], "x": [3.0, 3.0], "y": [4.0, 4.0], "v": [0.0, 0.0],
+    }  # fmt: skip
+
+
 def test_what_is_never_cut() -> None:
     drives = arc()
     assert all(np.array_equal(tm.cut_at_rest(drives)[name], drives[name]) for name in drives)

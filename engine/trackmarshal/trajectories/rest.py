@@ -64,14 +64,14 @@ def cut(columns: Lists, speed: float = TAIL_SPEED) -> Cut:
 def _still(columns: Lists, rest: int) -> Cut:
     """The trajectory up to a sample at rest."""
     count = len(columns["v"])
-    if rest == count - 1:
+    if 0 < rest == count - 1:
         return Cut(dict(columns), 0)
     if rest > 0:
         return Cut({name: column[: rest + 1] for name, column in columns.items()}, count - rest - 1)
     kept = {name: [column[0], column[0]] for name, column in columns.items()}
     if "t" in columns:
         kept["t"][1] = kept["t"][0] + REST_STEP
-    return Cut(kept, count - 2)
+    return Cut(kept, max(count - 2, 0))
 
 
 def _braked(columns: Lists, at: int) -> Cut | None:
