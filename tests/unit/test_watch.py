@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from support.project import run_command
+from trackmarshal.cli.main import main
 from trackmarshal.cli.watch import state, watch
 
 
@@ -79,6 +80,24 @@ def test_only_specs_and_requirements_are_watched(tmp_path: Path) -> None:
     for name in ("a.spec", "b.yaml", "c.json", "d.spec~"):
         (tmp_path / name).write_text("x")
     assert sorted(Path(name).name for name in state([tmp_path, tmp_path / "gone"])) == ["a.spec", "b.yaml"]
+
+
+def test_a_quiet_round_is_quiet(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of a round, what `check` sums up is no result; that all is well is."""
+    file = tmp_path / "a.spec"
+    file.write_text("module a\n\nparam top: m/s = 2 m/s\n", "utf-8")
+
+    monkeypatch.setattr("trackmarshal.cli.watch.watch", lambda _, look_into: look_into())
+    monkeypatch.chdir(tmp_path)
+    said = {}
+    for quiet in ([], ["--quiet"]):
+        main(["watch", str(file), *quiet])
+        said[len(quiet)] = capsys.readouterr().out
+    assert "1 module" in said[0]
+    assert "1 module" not in said[1]
+    assert all("-- all well; watching" in text for text in said.values())
 
 
 def test_it_goes_on_after_a_syntax_error_and_ends_with_0(tmp_path: Path) -> None:

@@ -89,9 +89,10 @@ def _round(args: argparse.Namespace) -> None:
     from trackmarshal.cli.main import main
 
     project = ["--project", args.project] if args.project is not None else []
+    quiet = ["--quiet"] if args.quiet else []
     say(f"-- {time.strftime('%H:%M:%S')}")
     for verb in ("check", "test"):
-        status = main([verb, *args.paths, *project])
+        status = main([verb, *args.paths, *project, *quiet])
         if status == 130:  # Ctrl-C, which `main` answers for other verbs
             raise KeyboardInterrupt
         if status:
