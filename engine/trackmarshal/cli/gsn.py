@@ -31,7 +31,11 @@ READ = "T130"
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", choices=tuple(ENDINGS), default="text")
     parser.add_argument("--module", metavar="NAME", help="only this one (default: all)")
-    parser.add_argument("--out", metavar="DIR", help="a file a module, and nothing on the standard output")
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="files into this folder, of svg and yaml one a module, and nothing on the standard output",
+    )
     parser.add_argument(
         "--gate", action="store_true", help="exit 1 when something is wrong with the argument"
     )
