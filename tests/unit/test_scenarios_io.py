@@ -362,6 +362,16 @@ def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert caught.value.code == "D124"
 
 
+def test_what_packs_too_well_is_told_the_limit_that_it_is_over(tmp_path: Path) -> None:
+    """Whoever packs a car that stands, with gzip, has no 200 MB to split: it is read unpacked."""
+    packed = tmp_path / "x.jsonl.gz"
+    packed.write_bytes(gzip.compress(b" " * 1_000_001))
+    with pytest.raises(TrackmarshalError) as caught:
+        scenarios.load(packed)
+    assert caught.value.message == f"{packed.stat().st_size} bytes unpack to more, the limit is 1000000"
+    assert "unpacked" in (caught.value.help or "")
+
+
 def test_a_car_that_stands_is_read_again_however_well_that_packs(tmp_path: Path) -> None:
     """Of a real log with a stop: `import log` wrote a recording that no verb read."""
     still = {**dict.fromkeys(plan(), [0.0] * 150), "t": [0.1 * k for k in range(150)]}

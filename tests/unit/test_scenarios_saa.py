@@ -257,6 +257,13 @@ def test_bad_archives_are_refused(name: str) -> None:
     assert caught.value.help
 
 
+def test_the_limit_that_is_named_is_the_one_of_what_is_counted() -> None:
+    for name, limit in (("a bomb", "1000000"), ("too many parts", "1000")):
+        with pytest.raises(TrackmarshalError, match=rf"the limit is {limit}\n") as caught:
+            saa.read(BAD_ARCHIVES[name][0], "scene.saa")
+        assert caught.value.code == "D124"
+
+
 def test_declared_sizes_are_limited() -> None:
     data = bytearray(packed(("scene.scn", TEXT), method=zipfile.ZIP_STORED))
     directory = data.index(b"PK\x01\x02")

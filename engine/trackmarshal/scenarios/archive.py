@@ -39,7 +39,7 @@ class Archive:
             raise self._error("D122", f"the archive is damaged: {error}", _FETCH) from error
         self._members = [m for m in self._zip.infolist() if not self._is_ballast(m)]
         if len(self._members) > MAX_MEMBERS:
-            raise content.too_large(shown, f"{len(self._members)} parts (at most {MAX_MEMBERS})")
+            raise content.too_large(shown, f"{len(self._members)} parts", MAX_MEMBERS)
         for member in self._members:
             self._check(member)
         total = sum(member.file_size for member in self._members)
@@ -61,7 +61,7 @@ class Archive:
             raise self._error("D123", f"the name {name!r} leaves the archive's folder", "pack it anew")
         if content.suspicious(member.compress_size, member.file_size):
             what = f"{name}: {member.compress_size} bytes unpack to {member.file_size}"
-            raise content.too_large(self.shown, what)
+            raise content.too_large(self.shown, what, content.believed(member.compress_size))
 
     def name_of(self, suffix: str) -> str | None:
         """The one part with this suffix (upper or lower case), None for none; D123 where there are several."""

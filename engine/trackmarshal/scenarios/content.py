@@ -58,14 +58,19 @@ def too_large(shown: str, what: str, most: int | None = None, help_: str = "") -
     )
 
 
+def believed(packed: int) -> int:
+    """To how much so much packed data may unpack: recordings don't unpack to more."""
+    return max(SMALL, MAX_RATIO * packed)
+
+
 def suspicious(packed: int, unpacked: int) -> bool:
     """Does this much packed data unpack to more than recordings do?"""
-    return unpacked > SMALL and unpacked > MAX_RATIO * packed
+    return unpacked > believed(packed)
 
 
 def gunzip(data: bytes, shown: str) -> bytes:
     """The content of a gzip stream; raises D142 or D124, never unpacks more than MAX_BYTES."""
-    limit = min(MAX_BYTES, max(SMALL, MAX_RATIO * len(data)))
+    limit = min(MAX_BYTES, believed(len(data)))
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(data)) as stream:
             content = stream.read(limit + 1)
@@ -73,7 +78,9 @@ def gunzip(data: bytes, shown: str) -> bytes:
         message = f"the gzip stream is damaged: {error}"
         raise TrackmarshalError("D142", message, file=shown, help="fetch the file again") from error
     if len(content) > limit:
-        raise too_large(shown, f"{len(data)} bytes unpack to more than {limit} bytes")
+        # Packed by somebody else, a car that stands may be as much: unpacked, it is read.
+        help_ = "" if limit == MAX_BYTES else "where you know its origin, give it unpacked"
+        raise too_large(shown, f"{len(data)} bytes unpack to more", limit, help_)
     return content
 
 

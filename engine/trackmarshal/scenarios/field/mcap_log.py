@@ -179,8 +179,10 @@ def _records(data: bytes, shown: str) -> Iterator[Any]:
             yield record
             continue
         left -= record.uncompressed_size
-        if record.uncompressed_size > content.MAX_BYTES or left < 0:
-            raise content.too_large(shown, f"{len(data)} bytes unpack to more than {limit} bytes")
+        if record.uncompressed_size > content.MAX_BYTES:
+            raise content.too_large(shown, f"a chunk unpacks to {record.uncompressed_size} bytes")
+        if left < 0:
+            raise content.too_large(shown, f"{len(data)} bytes unpack to more", limit)
         record.data, record.compression = _unpacked(record), ""
         yield from breakup_chunk(record, validate_crc=True)
 
