@@ -141,6 +141,8 @@ def test_of_two_results_of_a_fault_the_worse_counts() -> None:
         ({"rule gap": "a"}, {"rule gap": "a", "rule turn": "b"}, "the rule `turn` has joined since"),
         ({"rule gap": "a", "rule turn": "b"}, {"rule gap": "a"}, "it was made from the rule `turn`, which takes no part any more"),
         ({"constraints": "a", "named": "x"}, {"constraints": "b"}, "the constraints on its parameters have changed since"),
+        ({"constraints": "a"}, {}, "it was made from the constraints on its parameters, which take no part any more"),
+        ({}, {"limits": "a"}, "the limits of the Supervisor have joined since"),
         ({"rule gap": "a", "named": "x"}, {"rule gap": "a"}, "it was made from a file that the scenario names, which takes no part any more"),
     ],
 )  # fmt: skip

@@ -141,8 +141,8 @@ def changed(before: Mapping[str, str], now: Mapping[str, str]) -> str:
         if before.get(name) != now.get(name):
             kind, _, own = name.partition(" ")
             said = f"{_CALLED[kind]} `{own}`" if own else _WHOLE[kind]
+            several = name in ("constraints", "limits")
             if name not in now:
-                return f"it was made from {said}, which takes no part any more"
-            plural = "have" if name == "constraints" else "has"
-            return f"{said} {plural} changed since" if name in before else f"{said} {plural} joined since"
+                return f"it was made from {said}, which {'take' if several else 'takes'} no part any more"
+            return f"{said} {'have' if several else 'has'} {'changed' if name in before else 'joined'} since"
     return ""
