@@ -155,6 +155,86 @@ def test_a_rule_that_reads_what_has_an_error(tmp_path: Path) -> None:
     assert "param m.top" in Meaning(compiled.spec).rule(compiled.spec.rules[0])
 
 
+#: Rules of which each rests on something of its own.
+THINGS = """module own
+enum flag { green, yellow, red }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal race : state { flag: flag }
+signal rain : state { fall: 1 in [0, 9] }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { x: m } capacity 4 forget 0.3 s
+param most : m/s = 30 m/s in [1, 90]
+constrain most <= 80 m/s because "no faster"
+table sheet(x: m) -> m/s = linear clamp | 0 m: 5 m/s | 9 m: 6 m/s |
+zone pit "a square" = polygon (0 m, 0 m) (9 m, 0 m) (9 m, 9 m) (0 m, 9 m)
+course driven = ego for 0.4 s then plan
+define faster(v: m/s) -> m/s = v * 1.1
+rule limited "by a parameter" require ego.v <= most
+rule listed "by a table" require ego.v <= sheet(ego.x)
+rule parked "in a zone" require ego in zone pit
+rule flagged "under a flag" whenever race.flag is yellow require ego.v <= 9 m/s
+rule warned "of no weight" severity advisory require ego.v <= 10 m/s
+rule worded "by a definition" require faster(ego.v) <= 11 m/s
+rule dry "in the dry" require rain.fall <= 3
+rule lived "along a course" along driven as c require historically[0 s, 0.3 s] c.v <= 24 m/s
+rule apart "from each" for all o in objects require historically o.x >= 3 m
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "stale"),
+    [
+        ("30 m/s in", "31 m/s in", {"limited"}),
+        ("[1, 90]", "[1, 95]", {"limited"}),
+        ("most <= 80", "most <= 85", {"limited"}),
+        ("9 m: 6 m/s", "9 m: 7 m/s", {"listed"}),
+        ("linear clamp", "linear", {"listed"}),
+        ("(9 m, 9 m)", "(9 m, 8 m)", {"parked"}),
+        ("green, yellow, red", "yellow, green, red", {"flagged"}),
+        ("green, yellow, red", "green, yellow, red, blue", {"flagged"}),
+        ("severity advisory ", "", {"warned"}),
+        ("v * 1.1", "v * 1.2", {"worded"}),
+        ("[0, 9]", "[0, 8]", {"dry"}),
+        ("for 0.4 s then", "for 0.5 s then", {"lived"}),
+        ("forget 0.3 s", "forget 0.2 s", {"apart"}),
+        ("capacity 4", "capacity 5", {"apart"}),
+        ("a square", "four corners", set()),
+        ("no faster", "that is enough", set()),
+        ("by a parameter", "by a number", set()),
+    ],
+)
+def test_whatever_a_rule_rests_on_makes_it_stale_and_no_other(old: str, new: str, stale: set[str]) -> None:
+    assert THINGS.count(old) == 1
+
+    def read(text: str) -> dict[str, str]:
+        meaning = Meaning(loads(text))
+        return {rule.name: meaning.fingerprint(rule) for rule in meaning.spec.rules}
+
+    before, after = read(THINGS), read(THINGS.replace(old, new))
+    assert {name for name in before if before[name] != after[name]} == stale
+
+
+def test_runs_rest_on_the_recording_what_it_names_and_the_limits(tmp_path: Path) -> None:
+    """Each by itself, beside the rules; what a Supervisor is held to is declared by the project."""
+
+    def inputs(limit: str, *given: str) -> dict[str, str]:
+        (tmp_path / "own.spec").write_text(
+            "module own\nuse supervisor.limits\nsignal ego : state { v: m/s }\nrule slow\n  require ego.v <= 9 m/s\n",
+            "utf-8",
+        )
+        (tmp_path / "supervisor").mkdir(exist_ok=True)
+        (tmp_path / "supervisor" / "limits.spec").write_text(
+            f"module supervisor.limits\nparam start_distance : m = {limit}\n", "utf-8"
+        )
+        return run_inputs(Evaluator(load(tmp_path)), *given)
+
+    before = inputs("0.1 m", "a", "b")
+    assert why_stale(before, inputs("0.1 m", "a", "b")) == ""
+    assert why_stale(before, inputs("0.2 m", "a", "b")) == "the limits of the Supervisor have changed since"
+    assert why_stale(before, inputs("0.1 m", "c", "b")) == "the recording has changed since"
+    assert why_stale(before, inputs("0.1 m", "a", "c")) == "a file that the scenario names has changed since"
+
+
 def test_what_every_cycle_is_held_against_is_noticed_where_no_rule_reads_it() -> None:
     """Of a project whose rules read the plan alone, runs held on when the range of the car's own speed became one that their cycles break."""
 
