@@ -15,7 +15,7 @@ import pytest
 from support.cycles import BRAKING, PERIOD, SPEED, cycle
 from support.supervised import BACKENDS, Clock, Oracle, made, shipped
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import load
+from trackmarshal.evaluation import load, loads
 from trackmarshal.runtime.codes import CODES
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
@@ -149,6 +149,21 @@ def test_a_car_that_left_it_does_not_take_it_up_again(away: float, turned: float
 
 
 @pytest.mark.parametrize(
+    ("away", "turned"), [(1.4, 0.0), (-1.4, 0.0), (0.0, 0.34), (0.0, -0.34), (1.4, 2.0 * math.pi - 0.34)]
+)
+@pytest.mark.verifies("S-1-B-6")
+def test_a_car_that_is_only_just_on_it_drives_it(away: float, turned: float) -> None:
+    run = Run()
+    run.step()
+
+    def moved(given: Cycle) -> Cycle:
+        ego = {**given.signals["ego"], "y": away, "heading": turned}
+        return replace(given, signals={**given.signals, "ego": ego})
+
+    assert run.step(FRICTION, moved, run.braked(0)).state == "previous_emergency"
+
+
+@pytest.mark.parametrize(
     ("further", "faster", "lost"),
     [(0.0, 0.0, ""), (5.4, 0.0, ""), (5.6, 0.0, "apart"), (-5.4, 0.0, ""), (-5.6, 0.0, "apart"), (0.0, 4.9, ""), (0.0, 5.1, "too_fast"), (0.0, -9.0, ""),
      (3.9, 3.9, ""), (9.0, 9.0, "apart")],
@@ -179,6 +194,47 @@ def test_whole_turns_of_the_heading_make_no_difference() -> None:
         return replace(given, signals={**given.signals, "ego": {**ego, "heading": 4 * math.pi}})
 
     assert run.step(FRICTION, turned, run.braked(0)).state == "previous_emergency"
+
+
+BEND = """module bend
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+rule slow "It is slow" for all p in plan require p.v <= 30 m/s
+"""
+
+
+def in_the_bend(way: float, turn: float, out: float = 0.0) -> tuple[float, float, float]:
+    """Where a car is that has driven so far along a circle of 20 m: x, y, and its heading, which is pi after 10 m where nothing is turned."""
+    angle = math.pi / 2.0 + (way - 10.0) / 20.0 + turn
+    radius = 20.0 + out
+    return radius * math.cos(angle), radius * math.sin(angle), math.remainder(angle + math.pi / 2.0, math.tau)
+
+
+@BACKENDS
+@pytest.mark.parametrize("turn", [0.0, math.pi / 2.0])
+@pytest.mark.verifies("S-1-B-6")
+def test_a_stored_trajectory_in_a_bend(turn: float, backend: str) -> None:
+    """Braked at 2.5 m/s^2 from 10 m/s, over 20 m: a second later the car is after 8.75 m, at 7.5 m/s, between two samples. Headings go the shorter
+    way round from one to the next, and how far the car is counts along the way, in whatever direction."""
+    times = [0.4 * i for i in range(11)]
+    places = [in_the_bend(10.0 * t - 1.25 * t**2, turn) for t in times]
+    x, y, heading = (list(column) for column in zip(*places))
+    plan = {"t": times, "x": x, "y": y, "heading": heading, "v": [10.0 - 2.5 * t for t in times]}
+    spec = loads(BEND)
+    for further, out, turned, v, lost in (
+        (0.0, 0.0, 0.0, 7.5, ""), (0.0, 0.0, -math.tau, 7.5, ""), (0.0, 1.4, 0.3, 7.5, ""), (0.0, -1.4, -0.3, 7.5, ""),
+        (0.0, 1.6, 0.0, 7.5, "apart"), (0.0, -1.6, 0.0, 7.5, "apart"), (0.0, 0.0, 0.4, 7.5, "apart"), (0.0, 0.0, -0.4, 7.5, "apart"),
+        (0.0, 0.0, math.pi, 7.5, "apart"), (0.0, 0.0, 0.0, 12.3, ""), (0.0, 0.0, 0.0, 12.7, "too_fast"),
+        (4.9, 0.0, 0.0, 6.0, ""), (-4.9, 0.0, 0.0, 6.0, ""), (6.0, 0.0, 0.0, 6.0, "apart"), (-6.0, 0.0, 0.0, 6.0, "apart"),
+    ):  # fmt: skip
+        clock = Clock()
+        asked = supervisor(spec, backend=backend, limits={"budget": 60.0}, clock=clock)
+        ego = {"x": x[0], "y": y[0], "heading": heading[0], "v": 10.0}
+        assert asked.step(Cycle(0, 0.0, plan, plan, {"ego": ego})).safe
+        px, py, pointing = in_the_bend(8.75 + further, turn, out)
+        clock.now, ego = 1.0, {"x": px, "y": py, "heading": pointing + turned, "v": v}
+        decision = asked.step(Cycle(1, 1.0, plan, plan, {"ego": ego}))
+        assert (names(decision), decision.lost) == (["late"], lost), (further, out, turned, v)
 
 
 def test_the_pose_is_held_against_the_time_it_was_taken_at() -> None:
