@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -367,6 +367,69 @@ def test_a_gap_is_late_and_skipped_once() -> None:
     assert run.step().state == "drive"
 
 
+def first(candidate: str, field: str, by: float, place: int = 0) -> Callable[[Cycle], Cycle]:
+    """A candidate whose sample of a place, the first one, has another number in a field."""
+
+    def changed(given: Cycle) -> Cycle:
+        columns = {name: column.copy() for name, column in getattr(given, candidate).items()}
+        columns[field][place] += by
+        return (
+            replace(given, driving=columns) if candidate == "driving" else replace(given, emergency=columns)
+        )
+
+    return changed
+
+
+def both(one: Callable[[Cycle], Cycle], other: Callable[[Cycle], Cycle]) -> Callable[[Cycle], Cycle]:
+    return lambda given: other(one(given))
+
+
+def stamped(t: float) -> Callable[[Cycle], Cycle]:
+    return lambda given: replace(given, t=t)
+
+
+@pytest.mark.parametrize(
+    ("change", "now", "fault"),
+    [
+        (stamped(0.0009), 0.0009, "repeated"), (stamped(0.0011), 0.0011, ""),
+        (stamped(0.149), 0.149, ""), (stamped(0.151), 0.151, "late"),
+        (stamped(0.1), 0.199, ""), (stamped(0.1), 0.201, "stale"),
+        (stamped(0.1), 0.0901, ""), (stamped(0.1), 0.0899, "early"),
+        (first("emergency", "x", 0.099), 0.1, ""), (first("emergency", "x", -0.101), 0.1, "starts_elsewhere"),
+        (first("driving", "y", 0.099), 0.1, ""), (first("driving", "y", 0.101), 0.1, "starts_elsewhere"),
+        (both(first("driving", "x", 0.07), first("driving", "y", 0.07)), 0.1, ""),
+        (both(first("driving", "x", 0.08), first("driving", "y", -0.07)), 0.1, "starts_elsewhere"),
+        (first("driving", "heading", 0.049), 0.1, ""), (first("driving", "heading", -0.051), 0.1, "starts_elsewhere"),
+        (first("emergency", "heading", 2.0 * math.pi + 0.049), 0.1, ""), (first("emergency", "heading", 2.0 * math.pi - 0.051), 0.1, "starts_elsewhere"),
+        (first("emergency", "v", 0.49), 0.1, ""), (first("emergency", "v", -0.51), 0.1, "starts_elsewhere"),
+        (first("emergency", "v", 0.0099, -1), 0.1, ""), (first("emergency", "v", 0.0101, -1), 0.1, "not_at_rest"),
+        (first("emergency", "v", -0.0099, -1), 0.1, ""), (first("emergency", "v", -0.0101, -1), 0.1, "not_at_rest"),
+    ],
+)  # fmt: skip
+@pytest.mark.verifies("S-1-B-9")
+def test_up_to_each_limit_and_no_further(change: Callable[[Cycle], Cycle], now: float, fault: str) -> None:
+    """A little within each of them, and a little beyond."""
+    run = Run()
+    run.step()
+    run.clock.now = now
+    decision = run.supervisor.step(change(cycle(1)))
+    assert (names(decision), decision.safe) == ([fault] * bool(fault), not fault)
+
+
+@pytest.mark.parametrize(
+    ("field", "low", "high"),
+    [("heading", -1000.0, 1000.0), ("kappa", -1.0, 1.0), ("v", -10.0, 150.0), ("a", -100.0, 50.0)],
+)
+@pytest.mark.verifies("S-1-B-9")
+def test_both_ends_of_a_range_are_in_it_and_nothing_beyond(field: str, low: float, high: float) -> None:
+    for end, beyond in ((low, -math.inf), (high, math.inf)):
+        for value, fault in ((end, []), (math.nextafter(end, beyond), ["out_of_range"])):
+            given = cycle(0)
+            given.driving[field][7] = value
+            decision = made()[0].step(given)
+            assert (names(decision), decision.safe) == (fault, not fault), value
+
+
 @pytest.mark.verifies("S-1-B-9")
 def test_an_old_cycle_is_stale() -> None:
     run = Run()
@@ -609,6 +672,23 @@ def test_a_spec_that_declares_the_signals_otherwise(text: str, tmp_path: Path) -
     )
 
 
+def test_what_it_reads_itself_is_demanded_whatever_the_spec_says_of_it() -> None:
+    """Where a trajectory is, how it goes on, and that its times do, it relies on also where no rule asks."""
+    spec = loads(
+        "module m\nsignal plan : trajectory { t: s, v: m/s }\nrule slow for all p in plan require p.v <= 30 m/s\n"
+    )
+    still = [0.0] * 3
+    plan = {"t": [0.0, 1.0, 1.0], "x": [0.0, 1.0, 1.0], "y": still, "heading": still, "v": [2.0, 0.0, 0.0]}
+    short = {name: column for name, column in plan.items() if name not in ("y", "heading")}
+    ego = {"x": 0.0, "y": 0.0}
+    decision = supervisor(spec, clock=lambda: 0.0).step(Cycle(0, 0.0, plan, short, {"ego": ego}))
+    assert {(name_of(f), f.signal, f.field, f.index) for f in decision.faults} == {
+        ("not_increasing", "driving", "t", 2), ("missing", "emergency", "y", None), ("missing", "emergency", "heading", None),
+        ("missing", "ego", "heading", None),
+    }  # fmt: skip
+    assert not decision.safe
+
+
 # The page ----------------------------------------------------------------------------------------------------
 
 
@@ -616,6 +696,15 @@ def test_the_page_lists_every_fault_with_its_code() -> None:
     listed = dict(re.findall(r"^\| `(\w+)` \| (D\d+) \|", PAGE, re.MULTILINE))
     assert {**listed, "none_stored": "D241"} == FAULTS
     assert set(FAULTS.values()) <= set(CODES)
+
+
+def test_the_page_lists_every_limit_with_its_default() -> None:
+    section = PAGE.partition("\n## Limits\n")[2].partition("\n## ")[0]
+    listed: dict[str, float] = {}
+    for called, said in re.findall(r"^\| (`.+?`) \| ([0-9].*?) \|", section, re.MULTILINE):
+        numbers = [float(one.split()[0]) for one in said.split(", ")]
+        listed |= dict(zip(re.findall(r"`(\w+)`", called), numbers, strict=True))
+    assert listed == asdict(Limits())
 
 
 def test_the_page_shows_the_table_of_states() -> None:
