@@ -52,3 +52,13 @@ def test_headings_that_cannot_be_subtracted() -> None:
     found = sampled(0.5, [0.0, 1.0], [0.0, 1.0], [1.7e308, -1.7e308])
     assert found.sample is not None
     assert (found.sample["x"], math.isnan(found.sample["heading"])) == (0.5, True)
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(3.1, -3.1), (-3.1, 3.1), (3.1, 2.0 * math.pi - 3.1 + 4.0 * math.pi)]
+)
+def test_headings_go_the_shorter_way_round(before: float, after: float) -> None:
+    """Halfway between two on both sides of pi, a car points there, and not the other way."""
+    found = sampled(0.5, [0.0, 1.0], [0.0, 1.0], [before, after])
+    assert found.sample is not None
+    assert math.cos(found.sample["heading"]) == pytest.approx(-1.0)
