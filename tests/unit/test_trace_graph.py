@@ -23,6 +23,7 @@ from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph.integrity import by_table_4
 from trackmarshal.trace.graph.kinds import LINKS, NODES, WAYS
 from trackmarshal.trace.graph.paths import named, paths
+from trackmarshal.trace.graph.reviewed import reviewed
 from trackmarshal.trace.graph.schema import default
 from trackmarshal.trace.spec import Spec
 
@@ -362,6 +363,33 @@ def test_links_that_do_not_hold_lead_nowhere() -> None:
     ):
         graph = Graph(nodes, [Link("refines", a, b, state, NOWHERE)])
         assert [path.target for path in paths(graph, [a], [b])] == [found], state
+
+
+@pytest.mark.parametrize(
+    ("reviews", "stands"),
+    [
+        ([], False),
+        ([("accepted", "2026-03-01")], True),
+        ([("open", "2026-03-01")], False),
+        ([("open", "2026-03-01"), ("accepted", "2026-03-02")], True),
+        ([("open", "2026-03-02"), ("accepted", "2026-03-01")], False),
+        ([("open", "2026-03-01"), ("accepted", "2026-03-01")], False),
+        ([("accepted", "2026-03-01"), ("open", "2026-03-02"), ("accepted", "2026-03-03")], True),
+    ],
+)
+@pytest.mark.parametrize("state", ["covers", "outdated"])
+def test_the_last_review_of_the_present_version_counts(
+    reviews: list[tuple[str, str]], stands: bool, state: str
+) -> None:
+    """Who finds it open later, or on the same day, takes an acceptance back; and none of an earlier version counts."""
+    read = requirement("R-0", "D")
+    made = [
+        Node("review", f"RV-{n}", "", NOWHERE, {"outcome": outcome, "made": day})
+        for n, (outcome, day) in enumerate(reviews)
+    ]
+    links = [Link("reviews", one.key, read.key, state, NOWHERE) for one in made]
+    graph = Graph({node.key: node for node in (read, *made)}, links)
+    assert reviewed(graph, read) == (stands and state == "covers")
 
 
 def test_what_rules_read_is_a_node_of_whatever_kind_it_is() -> None:

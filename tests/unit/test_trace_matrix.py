@@ -237,6 +237,73 @@ def test_every_rule_of_a_requirement_has_to_be_evaluated(of_turn: dict[str, int]
     assert status(build(small, spec_items=list(items.values()), runs=runs), "S-1-A-2", "S-4-A") == expected
 
 
+def test_a_rule_that_nobody_judged_is_not_evaluated_by_that(tmp_path: Path) -> None:
+    """One run shows what `gap` is worth; that another one had a verdict of `turn`, of which no truth was declared, shows nothing."""
+    small = Small.copy(tmp_path)
+    old = "stage: S-3-B, expect: fire, by: [friction], origin: synthetic, requirements: [RR-2]"
+    small.replace("requirements/v-model.yaml", old, "stage: S-4-A, expect: ground_truth, origin: synthetic")
+    items = {item.name: item for item in small.parts()[0]}
+    both = (*items["turn"].satisfies, *items["gap"].satisfies)
+    items["turn"] = replace(items["turn"], satisfies=both)
+    gap, turn = facts("gap", "g" * 8, satisfied=90, violated=10), facts("turn", "t" * 8, satisfied=100)
+    named = {"rule gap": TruthFacts(True, (), ("gap",))}
+    cut_in, skid, field = small.parts()[3]
+    cut_in = replace(cut_in, rules=(gap,), ground_truth={"dynamic": TruthFacts(True, (), ("gap",))})
+    for uncovered, expected in ((("turn",), "partial"), ((), "covered")):
+        skid = replace(skid, rules=(gap, turn), ground_truth=named, uncovered=uncovered)
+        matrix = build(small, spec_items=list(items.values()), runs=[cut_in, skid, field])
+        assert status(matrix, "S-1-A-2", "S-4-A") == expected
+
+
+def test_a_scenario_that_fires_by_rules_of_others_shows_a_requirement_in_part(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    small.replace("requirements/v-model.yaml", "requirements: [RR-2]}", "requirements: [RR-2, S-1-A-2]}")
+    assert status(build(small), "RR-2", "S-3-B") == "covered"
+    assert status(build(small), "S-1-A-2", "S-3-B") == "partial"
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_of_two_runs_of_a_scenario_the_later_one_counts(turned: bool) -> None:
+    small = Small()
+    (fine,) = (run for run in small.parts()[3] if run.scenario == CUT_IN)
+    wrong = replace(fine, unexpected=(1.5,))
+    earlier, later = "2026-06-01T12:00:00+00:00", "2026-06-01T12:00:01+00:00"
+    for last, other, expected in ((wrong, fine, "failed"), (fine, wrong, "covered")):
+        two = [replace(other, created=earlier), replace(last, created=later)]
+        runs = [*two[:: -1 if turned else 1], *(run for run in small.parts()[3] if run.scenario != CUT_IN)]
+        assert status(build(small, runs=runs), "S-1-A-2", "S-4-A") == expected
+
+
+@pytest.mark.parametrize("first", ["covered", "partial"])
+def test_of_two_demands_of_a_cell_the_greater_one_counts(first: str, tmp_path: Path) -> None:
+    """Perception is shown in part there, which all criteria need; of this one, all is demanded besides."""
+    small = Small.copy(tmp_path)
+    partial = "  - {stage: S-4-A, requirements: [S-1-A-*], at_least: partial}\n"
+    covered = "  - {stage: S-4-A, requirements: [S-1-A-1]}\n"
+    assert [finding.code for finding in trace.gate(build(small))] == []
+    both = covered + partial if first == "covered" else partial + covered
+    small.replace("requirements/v-model.yaml", partial, both)
+    (short,) = trace.gate(build(small))
+    assert (short.code, short.subject) == ("T230", "S-1-A-1")
+    assert ": partial, wanted covered; " in short.message
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "reached"),
+    [(0.0, 30.0, True), (-1.0, 31.0, True), (0.1, 30.0, False), (0.0, 29.9, False), (10.0, 20.0, False)],
+)
+def test_a_domain_is_recorded_at_both_of_its_ends(
+    low: float, high: float, reached: bool, tmp_path: Path
+) -> None:
+    small = Small.copy(tmp_path)
+    domain = "{id: ODD-1, title: the road, description: Dry., ranges: [{quantity: ego.v, from: 0 m/s, to: 108 km/h}]}"
+    (small.root / "requirements" / "hazards.yaml").write_text(
+        f"document: hazards\ntitle: Conditions\ndomains: [{domain}]\n", "utf-8"
+    )
+    matrix = build(small, runs=run(small, CUT_IN, ranges={"ego.v": (low, high)}))
+    assert [f.subject for f in matrix.findings if f.code == "T254"] == ["ODD-1"] * (not reached)
+
+
 def test_a_violation_that_the_ground_truth_leaves_free_is_no_evidence() -> None:
     small = Small()
     loud = facts("gap", "g" * 8, satisfied=90, violated=10)

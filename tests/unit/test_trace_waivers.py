@@ -87,3 +87,24 @@ def test_one_that_is_granted_anew_before_the_other_ends_is_needed(
         "approver: the safety manager, granted: 2026-06-01, expires: 2026-12-31}\n",
     )
     assert [finding.subject for finding in made.matrix().findings if finding.code == "T232"] == needless
+
+
+@pytest.mark.parametrize(
+    ("granted", "expires", "longer"),
+    [
+        ("2026-01-01", "2027-01-01", False),
+        ("2026-01-01", "2027-01-02", True),
+        ("2024-02-29", "2025-02-28", False),
+        ("2024-02-29", "2025-03-01", True),
+        ("2023-03-01", "2024-03-01", False),
+    ],
+)
+def test_one_holds_for_a_year_at_most(granted: str, expires: str, longer: bool, tmp_path: Path) -> None:
+    made = Small.copy(tmp_path)
+    made.replace(
+        "requirements/v-model.yaml",
+        "    granted: 2026-01-01\n    expires: 2026-12-31\n",
+        f"    granted: {granted}\n    expires: {expires}\n",
+    )
+    found = [finding for finding in made.matrix().findings if finding.code == "T235"]
+    assert [finding.subject for finding in found] == ["W-1"] * longer
