@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,13 +14,16 @@ from support.archives import HEADER, archive, row, scn
 from support.length import shared_out
 from support.project import run_command
 from trackmarshal import scenarios
+from trackmarshal.cli.evidence import run_summary
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.generate import generate
 from trackmarshal.scenarios.generate.document import read
 from trackmarshal.scenarios.generate.given import given as read_given
 from trackmarshal.scenarios.labels import Label, label
 from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.replay import replay
 
 SPEC = """module town
 
@@ -259,6 +263,21 @@ def test_what_is_free_may_be_either() -> None:
     status, text = replayed(("unsafe: [[1, 2]]", "unsafe: [[1.5, 1.5]], free: [[1, 1], [2, 2.5]]"))
     assert status == 0, text
     assert "rule slow_under_yellow: inside (4 cycles judged)" in text
+
+
+@pytest.mark.parametrize(
+    ("truth", "due"),
+    [((False, False, False), 3), ((None, False, None), 1), ((None, None, None), 0), ((True, True, False), 1)],
+)
+def test_a_rule_had_to_fire_where_its_truth_is_unsafe_and_nowhere_else(
+    truth: tuple[bool | None, ...], due: int
+) -> None:
+    """It fires while the flag is yellow, from 1 s to 2 s: by what is left free there, the gate shows nothing (`due`)."""
+    made, name = scene(), "rule slow_under_yellow"
+    made = replace(made, ground_truth={**made.ground_truth, name: (True, True, *truth, True, True)})
+    evaluator = Evaluator(load(["town.spec"]), ["slow_under_yellow"])
+    (found,) = run_summary(replay(made, evaluator), evaluator, "scene.yaml", "0" * 64).rules
+    assert (found.number("violated"), found.first_violation, found.due) == (6, 1.0, due)
 
 
 def test_a_rule_of_which_nothing_is_declared_is_named_and_may_not_fire() -> None:
