@@ -413,3 +413,33 @@ def test_where_a_quantifier_ends_makes_the_difference(tmp_path: Path) -> None:
         "early": "satisfied",
         "all_of_it": "violated",
     }
+
+
+COUNTED = """enum flag { green, yellow }
+signal truck : state { load: %, steering: deg, flag: flag, v: m/s, a: m, b: m }
+event wet "it rains"
+table turns(v: m/s) -> 1 = linear clamp | 0: 35 | 20: 5 |
+predicate full(part: %) = part <= 0.9
+"""
+
+
+@pytest.mark.parametrize(
+    ("demand", "said"),
+    [
+        ("truck.steering <= case truck.flag { green: 20, yellow: 10 }", ["W302 20", "W302 10"]),
+        ("truck.steering <= (if wet then 5 else 10 deg)", ["W302 5"]),
+        ("truck.steering <= max(5 deg, min(10, 20 deg))", ["W302 10"]),
+        ("truck.steering <= turns(truck.v)", ["W302 turns(truck.v)"]),
+        ("truck.load <= (if wet then 80 else 90)", ["W309 80", "W309 90"]),
+        ("truck.load <= limit", ["W309 80"]),
+        ("full(if wet then 50 else 50 %)", ["E302 50"]),
+        ("truck.steering <= case truck.flag { green: 20 deg, yellow: 0 }", []),
+        ("truck.load <= (if wet then 0.8 else 90 %)", []),
+        ("full(if wet then truck.load else 50 %)", []),
+    ],
+)
+def test_a_bare_number_is_one_wherever_it_is_chosen(demand: str, said: list[str], tmp_path: Path) -> None:
+    """A limit for each flag is written without a unit as easily as one for all of them, and is 57 times or a hundred times as high."""
+    let = "  let limit = if wet then 80 else 90 %\n" if "limit" in demand else ""
+    made = compiled(tmp_path, COUNTED + rule("a", demand, let))
+    assert [f"{found.code} {found.span.text}" for found in made.found] == said

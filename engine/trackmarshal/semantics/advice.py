@@ -196,22 +196,22 @@ class Advice:
         apart = next((one for number in (left, right) if (one := _apart(number)) is not None), None)
         return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
 
-    def joined(self, left: typed.Number, right: typed.Number) -> BareAngle | BarePercentage | None:
+    def joined(self, left: typed.Number, right: typed.Number) -> Iterator[BareAngle | BarePercentage]:
         """What is to be said of two numbers that are compared, added or chosen between."""
         if left.dimension != NUMBER:
-            return None
-        for number, other in ((left, right), (right, left)):
-            if self._uncounted(number) and self.declared_in(ANGLES, other):
-                return self.bare(number, other.span)
-            value = typed.literal(number)
-            if (
-                value is not None
-                and abs(value) > 1.0
-                and self.is_bare(number)
-                and self.declared_in(PERCENT, other)
-            ):
-                return BarePercentage(number.span, other.span, in_full(value, "1"), in_full(value, "%"))
-        return None
+            return
+        for whole, other in ((left, right), (right, left)):
+            for number in _chosen_from(whole):
+                value = typed.literal(number)
+                if self._uncounted(number) and self.declared_in(ANGLES, other):
+                    yield self.bare(number, other.span)
+                elif (
+                    value is not None
+                    and abs(value) > 1.0
+                    and self.is_bare(number)
+                    and self.declared_in(PERCENT, other)
+                ):
+                    yield BarePercentage(number.span, other.span, in_full(value, "1"), in_full(value, "%"))
 
     def in_unit(
         self, value: typed.Number, unit: str, what: str, declared: Span | None
@@ -220,10 +220,13 @@ class Advice:
 
         A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
         """
-        if value.dimension == NUMBER and unit not in ("1", "rad") and self.is_bare(value):
-            wanted, hint = f"a number in {unit}", f"write the unit: `{_text(value)} {unit}`"
-            return WrongDimension(value.span, declared, what, wanted, "a bare number", hint)
-        return self.bare(value, declared) if unit in ANGLES and self._uncounted(value) else None
+        for number in _chosen_from(value):
+            if value.dimension == NUMBER and unit not in ("1", "rad") and self.is_bare(number):
+                wanted, hint = f"a number in {unit}", f"write the unit: `{_text(number)} {unit}`"
+                return WrongDimension(number.span, declared, what, wanted, "a bare number", hint)
+            if unit in ANGLES and self._uncounted(number):
+                return self.bare(number, declared)
+        return None
 
     def bare(self, value: typed.Number, other: Span | None) -> BareAngle:
         text = _text(value)
@@ -235,12 +238,13 @@ class Advice:
         return BareAngle(value.span, other, hint)
 
     def _uncounted(self, value: typed.Number) -> bool:
-        """Whether nothing says what a number counts: a literal without a unit, or a parameter whose unit is 1."""
+        """Whether nothing says what a number counts: a literal without a unit, or a parameter or a table whose unit is 1."""
         number = _behind(value)
         if isinstance(number, typed.Negative):
             number = _behind(number.operand)
         return self.is_bare(value) or (
-            isinstance(number, typed.Parameter) and self.units.get(number.symbol.qualified) == "1"
+            isinstance(number, typed.Parameter | typed.TableValue)
+            and self.units.get(number.symbol.qualified) == "1"
         )
 
     def is_bare(self, number: typed.Number) -> bool:
@@ -387,6 +391,28 @@ def _leads(node: typed.Number) -> bool:
             return True
         case _:
             return False
+
+
+def _chosen_from(number: typed.Number) -> list[typed.Number]:
+    """The numbers of which one is this one: the branches of a `case` or an `if`, and what `min` and `max` take; else itself."""
+    found: list[typed.Number] = []
+    seen: set[typed.Number] = set()
+    stack = [number]
+    while stack:
+        part = stack.pop()
+        match meant := _behind(part):
+            case _ if meant in seen:  # written out, they can be far more than they are
+                continue
+            case typed.Choice():
+                stack += [meant.otherwise, meant.then]
+            case typed.NumberCase():
+                stack += [branch.value for branch in reversed(meant.branches)]
+            case typed.Function() if meant.name in ("min", "max"):
+                stack += reversed(meant.arguments)
+            case _:
+                found.append(part)
+        seen.add(meant)
+    return found
 
 
 def _behind(number: typed.Number) -> typed.Number:

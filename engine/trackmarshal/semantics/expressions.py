@@ -592,7 +592,8 @@ class Expressions:
     def same(self, action: str, left: typed.Number, right: typed.Number) -> None:
         """Fail unless two numbers have one dimension."""
         if left.dimension == right.dimension:
-            self.advise(self.advice.joined(left, right))
+            for found in self.advice.joined(left, right):
+                self.advise(found)
             return
         sides = (
             ("left side", "right side")
