@@ -432,7 +432,7 @@ predicate full(part: %) = part <= 0.9
         ("truck.steering <= turns(truck.v)", ["W302 turns(truck.v)"]),
         ("truck.load <= (if wet then 80 else 90)", ["W309 80", "W309 90"]),
         ("truck.load <= limit", ["W309 80"]),
-        ("full(if wet then 50 else 50 %)", ["E302 50"]),
+        ("full(if wet then 50 else 60)", ["E302 50"]),
         ("truck.steering <= case truck.flag { green: 20 deg, yellow: 0 }", []),
         ("truck.load <= (if wet then 0.8 else 90 %)", []),
         ("full(if wet then truck.load else 50 %)", []),
@@ -442,4 +442,40 @@ def test_a_bare_number_is_one_wherever_it_is_chosen(demand: str, said: list[str]
     """A limit for each flag is written without a unit as easily as one for all of them, and is 57 times or a hundred times as high."""
     let = "  let limit = if wet then 80 else 90 %\n" if "limit" in demand else ""
     made = compiled(tmp_path, COUNTED + rule("a", demand, let))
+    assert [f"{found.code} {found.span.text}" for found in made.found] == said
+
+
+SAID = """signal truck : state { charge: 1, steering: deg, a: m, b: m, v: m/s }
+define left -> % = truck.a / truck.b
+define slip -> deg = truck.b / truck.a
+define part -> 1 = truck.a / truck.b
+define turned -> 1 = truck.steering / 1 deg
+predicate low(of: %) = of <= 20
+predicate low_by(of: %, limit: 1) = of <= limit
+predicate sharp(angle: deg) = angle > 30
+predicate many(number: 1) = number > 30
+"""
+
+
+@pytest.mark.parametrize(
+    ("demand", "said"),
+    [
+        ("left >= 20", ["W309 20"]),
+        ("left + 5 >= 20 %", ["W309 5"]),
+        ("slip <= 5", ["W302 5"]),
+        ("low(truck.charge)", ["W309 20"]),
+        ("sharp(truck.a / truck.b)", ["W302 30"]),
+        ("max(5, 20 %) > left", ["W309 5"]),
+        ("turned <= 30", []),
+        ("truck.steering / 1 deg <= 30", []),
+        ("part <= 20 and many(truck.charge)", []),
+        ("left >= 20 % and left <= 1 and slip <= 5 deg and slip > 0", []),
+        ("low_by(truck.charge, 0.2)", []),
+    ],
+)
+def test_what_a_definition_says_of_a_number_is_what_it_is(
+    demand: str, said: list[str], tmp_path: Path
+) -> None:
+    """Whatever it is made of: of a quotient, nothing else says whether it is a share, an angle or neither."""
+    made = compiled(tmp_path, SAID + rule("a", demand))
     assert [f"{found.code} {found.span.text}" for found in made.found] == said

@@ -6,7 +6,7 @@ Angles and percentages are plain numbers, and stay such: that something is one i
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import partial
 from typing import TypeGuard, assert_never
 
@@ -294,13 +294,15 @@ class Advice:
                 return angles and whole is not None and whole > 0 and whole % 2 == 1 and of(node.base)
             case typed.OnLine():
                 return angles and node.function == "direction"
+            case typed.Literally():
+                return node.unit in units
             case typed.CalledNumber():
-                return of(node.body)
+                return _said(_result(node), units, node.body, of)
             case typed.NamedNumber():
-                return node.value is not None and of(node.value)
+                return _said(node.unit, units, node.value, of)
             case typed.Kept():
                 return any(of(keep.value) for keep in _kept(node))
-            case typed.StationGap() | typed.Literally() | typed.Pi():
+            case typed.StationGap() | typed.Pi():
                 return False
             case _:
                 assert_never(node)
@@ -391,6 +393,21 @@ def _leads(node: typed.Number) -> bool:
             return True
         case _:
             return False
+
+
+def _said(
+    unit: str, units: tuple[str, ...], value: typed.Number | None, of: Callable[[typed.Number], bool]
+) -> bool:
+    """Whether a number is in one of some units by what a definition says of it; where it says of no angle and no share, by what it comes to."""
+    if unit in (*ANGLES, *PERCENT):
+        return unit in units
+    return value is not None and of(value)
+
+
+def _result(call: typed.CalledNumber) -> str:
+    """The unit in which a definition declares its value; "" where it declares none."""
+    item = call.symbol.item
+    return (isinstance(item, ast.Define) and item.result) or ""
 
 
 def _chosen_from(number: typed.Number) -> list[typed.Number]:

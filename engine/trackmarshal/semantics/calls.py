@@ -296,7 +296,7 @@ def _open(self: Expressions, parameter: ast.Parameter, inner: Context) -> Local:
         return typed.NamedLine(name, None, span)
     if kind == "corridor":
         return typed.NamedArea(name, None, span)
-    return typed.NamedNumber(parse_unit(kind)[2], "", name, None, span)
+    return typed.NamedNumber(parse_unit(kind)[2], "", name, None, kind, span)
 
 
 def _shape(self: Expressions, parameter: ast.Parameter, inner: Context) -> typed.Shape:
@@ -341,7 +341,7 @@ def _argument(
         )
     self.advise(self.advice.in_unit(value, kind, f"argument `{name}`", parameter.span))
     assert isinstance(kept, typed.NumberNode)
-    return typed.NamedNumber(value.dimension, value.written, name, kept, span)
+    return typed.NamedNumber(value.dimension, value.written, name, kept, kind, span)
 
 
 def _numeric(

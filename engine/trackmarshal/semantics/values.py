@@ -31,7 +31,7 @@ def named(called: str, value: typed.Value, span: Span) -> Local:
     """What a `let` makes of a value: the same by a name."""
     match value:
         case typed.NumberNode():
-            return typed.NamedNumber(value.dimension, value.written, called, value, span)
+            return typed.NamedNumber(value.dimension, value.written, called, value, "", span)
         case typed.FormulaNode():
             return typed.NamedFormula(called, value, span)
         case typed.Count():

@@ -177,10 +177,11 @@ class CalledNumber(NumberNode):
 
 
 class NamedNumber(NumberNode):
-    """A number by the name of a `let`, or of a parameter of a definition (None: nothing is given for it)."""
+    """A number by the name of a `let`, or of a parameter of a definition (None: nothing is given for it). unit: of a parameter, as declared; "" of a `let`."""
 
     name: str
     value: Number | None
+    unit: str
     span: Span
 
 
