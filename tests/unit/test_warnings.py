@@ -436,6 +436,7 @@ predicate full(part: %) = part <= 0.9
         ("truck.steering <= case truck.flag { green: 20 deg, yellow: 0 }", []),
         ("truck.load <= (if wet then 0.8 else 90 %)", []),
         ("full(if wet then truck.load else 50 %)", []),
+        ("full(min(truck.a / truck.b, 1))", []),
     ],
 )
 def test_a_bare_number_is_one_wherever_it_is_chosen(demand: str, said: list[str], tmp_path: Path) -> None:
@@ -478,4 +479,28 @@ def test_what_a_definition_says_of_a_number_is_what_it_is(
 ) -> None:
     """Whatever it is made of: of a quotient, nothing else says whether it is a share, an angle or neither."""
     made = compiled(tmp_path, SAID + rule("a", demand))
+    assert [f"{found.code} {found.span.text}" for found in made.found] == said
+
+
+READ = """signal truck : state { load: %, level: 1, v: m/s }
+param most : 1 = 5
+table wear(part: %) -> m/s = linear clamp | 0: 20 m/s | 100: 5 m/s |
+table grip(lean: deg, part: %) -> m/s = linear clamp | part: 0, 100 | 0: 20 m/s, 10 m/s | 45: 5 m/s, 2 m/s |
+"""
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("wear(50)", ["E302 50"]),
+        ("wear(max(truck.load, 50))", ["W309 50"]),
+        ("grip(10 deg, 50)", ["E302 50"]),
+        ("grip(30, 50 %)", ["E302 30"]),
+        ("grip(most, 50 %)", ["W302 most"]),
+        ("wear(50 %) + wear(truck.load) + wear(truck.level) + wear(0) + grip(0, most)", []),
+    ],
+)
+def test_what_a_table_is_asked_for_is_in_its_unit(asked: str, said: list[str], tmp_path: Path) -> None:
+    """As what a definition is given: `wear(50)` was read at 5000 %, where `clamp` has an answer to everything."""
+    made = compiled(tmp_path, READ + rule("a", f"truck.v <= {asked}"))
     assert [f"{found.code} {found.span.text}" for found in made.found] == said

@@ -220,13 +220,16 @@ class Advice:
 
         A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
         """
-        for number in _chosen_from(value):
-            if value.dimension == NUMBER and unit not in ("1", "rad") and self.is_bare(number):
-                wanted, hint = f"a number in {unit}", f"write the unit: `{_text(number)} {unit}`"
-                return WrongDimension(number.span, declared, what, wanted, "a bare number", hint)
-            if unit in ANGLES and self._uncounted(number):
-                return self.bare(number, declared)
-        return None
+        # 0 is the same in every unit; and a limit beside a number of another kind, as in `min(share, 1)`, may well be one of that kind.
+        numbers = [number for number in _chosen_from(value) if typed.literal(number) != 0.0]
+        if value.dimension != NUMBER or not numbers:
+            return None
+        if unit not in ("1", "rad") and all(map(self.is_bare, numbers)):
+            wanted, hint = f"a number in {unit}", f"write the unit: `{_text(numbers[0])} {unit}`"
+            return WrongDimension(numbers[0].span, declared, what, wanted, "a bare number", hint)
+        return (
+            self.bare(numbers[0], declared) if unit in ANGLES and all(map(self._uncounted, numbers)) else None
+        )
 
     def bare(self, value: typed.Number, other: Span | None) -> BareAngle:
         text = _text(value)

@@ -406,13 +406,13 @@ def _table(
     numbers: list[typed.Number] = []
     for value, argument_unit, called_ in zip(values, units, names, strict=True):
         argument = parse_unit(argument_unit)[2]
+        what, declared = f"the argument{called_} of `{item.name}`", item.span.head.word(argument_unit)
         if not isinstance(value, typed.NumberNode) or value.dimension != argument:
-            what = f"the argument{called_} of `{item.name}`"
             hint = unit_hint(value, argument, argument_unit) if isinstance(value, typed.NumberNode) else ""
-            declared = item.span.head.word(argument_unit)
             self.fail(
                 WrongDimension(span_of(value), declared, what, quantity(argument), _spoken(value), hint)
             )
+        self.advise(self.advice.in_unit(value, argument_unit, what, declared))
         numbers.append(value)
     unit = written_unit((cell for row in item.rows for cell in row[1:]), item.result)
     return typed.TableValue(result, unit, symbol, tuple(numbers), span)
