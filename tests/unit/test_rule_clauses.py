@@ -115,3 +115,11 @@ def test_a_number_that_is_not_finite_is_no_number_of_a_spec(line: str) -> None:
 def test_a_range_may_be_open() -> None:
     spec = compiled("module made\nparam p : 1 = 5 in [0, inf]\nsignal e : state { x: 1 in [-inf, 3] }\n")
     assert spec.params["made.p"].upper == float("inf")
+
+
+def test_a_rule_comes_from_all_of_its_sources() -> None:
+    spec = compiled(
+        'module made\nreference paper = "A paper"\nsignal ego : state { v: m/s }\n'
+        'rule r\n  source    paper eq 2, 3\n  source    "a regulation"\n  require   ego.v <= 3 m/s\n'
+    )
+    assert spec.rules[0].source == "A paper, eq 2, 3; a regulation"

@@ -76,7 +76,7 @@ class RuleBuilder:
                 case ast.Assuming():
                     assuming += [(name.name, name.span) for name in clause.ids]
                 case ast.SourceClause():
-                    text["source"] = self._source(clause)
+                    text["source"] = "; ".join(filter(None, (text["source"], self._source(clause))))
                 case ast.Because():
                     text["because"] = clause.text
                 case ast.Severity():
