@@ -504,3 +504,42 @@ def test_what_a_table_is_asked_for_is_in_its_unit(asked: str, said: list[str], t
     """As what a definition is given: `wear(50)` was read at 5000 %, where `clamp` has an answer to everything."""
     made = compiled(tmp_path, READ + rule("a", f"truck.v <= {asked}"))
     assert [f"{found.code} {found.span.text}" for found in made.found] == said
+
+
+@pytest.mark.parametrize(
+    ("formula", "clauses", "word"),
+    [
+        ("always p.v <= 3 m/s and p.v >= 1 m/s", "along", "and"),
+        ("fast or not always p.v <= 3 m/s or quick(p.v)", "along", "or"),
+        ("always[0 s, 3 s] ego.v <= 3 m/s and fast", "", "and"),
+        ("for all o in objects: always[0 s, 3 s] o.v <= 3 m/s or fast", "", ""),
+        ("(always p.v <= 3 m/s) and p.v >= 1 m/s", "along", ""),
+        ("always (p.v <= 3 m/s and p.v >= 1 m/s)", "along", ""),
+        ("p.v >= 1 m/s and always p.v <= 3 m/s", "along", ""),
+        ("always p.v <= 3 m/s and ego.v >= 1 m/s", "along", ""),
+        ("always p.v <= 3 m/s and eventually p.v <= 1 m/s", "along", ""),
+        ("always p.v <= 3 m/s or rising(p.v <= 1 m/s)", "along", ""),
+        ("once[0 s, 3 s] fast and ego.v <= 3 m/s", "", ""),
+    ],
+)
+def test_where_always_ends_before_and_is_asked(formula: str, clauses: str, word: str, tmp_path: Path) -> None:
+    """What stands behind `and` is demanded of the present sample alone, which nobody sees where it is about the sample."""
+    more = ALONG + "signal objects : set of object { v: m/s }\n"
+    text = more + rule("a", formula, clauses and "  along     plan as p\n")
+    said = [("W307", f"`always` ends before `{word}`")] if word else []
+    made = compiled(tmp_path, text)
+    assert [(found.code, found.message) for found in made.found] == said
+    (tmp_path / "made.spec").write_text(format_text(SourceFile("made.spec", HEAD + text)), "utf-8")
+    again = compile_paths([tmp_path / "made.spec"], tmp_path)
+    assert [(found.code, found.message) for found in again.found] == said
+
+
+def test_where_always_ends_makes_the_difference(tmp_path: Path) -> None:
+    """The second sample is too slow: what is written first does not say so."""
+    along = "  along     plan as p\n"
+    early = rule("early", "always p.v <= 3 m/s and p.v >= 1 m/s", along)
+    all_of_it = rule("all_of_it", "always (p.v <= 3 m/s and p.v >= 1 m/s)", along)
+    evaluator = Evaluator(compiled(tmp_path, ALONG + early + all_of_it).spec, None, "reference")
+    signals = {"plan": {"t": [0.0, 1.0], "v": [2.0, 0.0]}}
+    (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+    assert [result.rules[name].verdict for name in ("early", "all_of_it")] == ["satisfied", "violated"]

@@ -50,18 +50,30 @@ def warnings() -> set[str]:
 
 
 def ends_early(expr: ast.Binary) -> EndsEarly | None:
-    """What is to be said of `implies`, `iff` or `xor` whose left side ends with a quantifier, or with `always`, that may have been meant to go on.
+    """What is to be said of a connective whose left side ends with a quantifier, or with `always`, that may have been meant to go on.
 
-    Of `and` and `or` it makes no difference, or next to none, how far it goes.
+    Of a quantifier before `and` and `or` it makes no difference, or next to none, how far it goes, and the formatter shows where it ends.
     """
     last: ast.Expr | None = expr.left
     while last is not None and not ast.is_parenthesised(last):
         below = _ending(last)
         word = last.quantifier if isinstance(last, ast.Quantified) else "always" if _always(last) else ""
+        if word and word != "always" and expr.op not in ASKED:
+            return None
         if word and below is not None and not ast.is_parenthesised(below):
             return EndsEarly(last.__dict__["span"], word, expr.op)
         last = below
     return None
+
+
+def changes(axis: typed.TimeAxis, formula: typed.Formula) -> bool:
+    """Whether a formula without temporal operators may be another one at another sample of a timeline, or in another cycle."""
+    parts = list(typed.below(formula))
+    if any(isinstance(part, _OVER_TIME) for part in parts):
+        return False
+    if isinstance(axis, typed.Range):
+        return any(_is_sample(part, axis) for part in parts)
+    return not isinstance(formula, typed.Boolean)
 
 
 def joins_conditions(expr: ast.Binary) -> JoinsConditions | None:

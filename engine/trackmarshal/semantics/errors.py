@@ -839,8 +839,8 @@ class EndsEarly(Diagnostic):
     remedy = "put parentheses around this, or around all that it is about, `{op}` included"
     explanation = (
         "What a quantifier or `always` is about ends before the next connective: `for all o in objects: p implies q` is `(for all o in objects: p) implies "
-        "q`, which demands q only where p holds of all of them; `for all o in objects: (p implies q)` demands it wherever p holds of one. Parentheses say "
-        "which is meant."
+        "q`, which demands q only where p holds of all of them; `for all o in objects: (p implies q)` demands it wherever p holds of one. `always p and q` is "
+        "`(always p) and q`, which demands q of the present sample alone. Parentheses say which is meant."
     )
 
     span: Span

@@ -14,6 +14,7 @@ from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
 from trackmarshal.semantics.advice import (
     Advice,
+    changes,
     ends_early,
     goes_on,
     joins_conditions,
@@ -461,8 +462,9 @@ class Expressions:
     def _binary(self, expr: ast.Binary, ctx: Context) -> typed.Value:
         op, span = expr.op, expr.span
         if op in typed.CONNECTIVES:
+            early = ends_early(expr)
             if op in ASKED:
-                self.advise(ends_early(expr))
+                self.advise(early)
                 self.advise(joins_conditions(expr))
             before = len(self.found)
             try:
@@ -470,6 +472,8 @@ class Expressions:
             except Poison:
                 self._ended(expr, before)
                 raise
+            if op not in ASKED and early is not None and changes(ctx.timeline, b):
+                self.advise(early)
             return typed.Connective(known(op, typed.CONNECTIVES), a, b, span)
         if op == "^":
             return self._power(expr, ctx)
