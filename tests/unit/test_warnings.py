@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -543,3 +544,49 @@ def test_where_always_ends_makes_the_difference(tmp_path: Path) -> None:
     signals = {"plan": {"t": [0.0, 1.0], "v": [2.0, 0.0]}}
     (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
     assert [result.rules[name].verdict for name in ("early", "all_of_it")] == ["satisfied", "violated"]
+
+
+TURNING = """signal plan : trajectory { t: s increasing, heading: rad, kappa: 1/m, v: m/s }
+line axis = (0 m, 0 m) (1 m, 0 m)
+signal car : state { x: m, y: m, heading: deg, steering: deg }
+define wide -> rad = 10 deg
+"""
+
+
+@pytest.mark.parametrize(
+    ("demand", "said"),
+    [
+        ("abs((q.heading - p.heading) / (q.t - p.t)) <= 1 rad/s", ["q.heading - p.heading"]),
+        ("(q.heading - p.heading)^2 <= 0.1 rad", ["q.heading - p.heading"]),
+        ("p.v * (q.heading - p.heading) <= 1 m/s", ["q.heading - p.heading"]),
+        ("p.heading <= car.heading + wide", ["p.heading <= car.heading + wide"]),
+        ("car.heading - wide <= p.heading <= 3 rad", ["car.heading - wide <= p.heading"]),
+        ("p.heading in [car.heading - 9 deg, car.heading + 9 deg]", ["p.heading in [car.heading - 9 deg, car.heading + 9 deg]"]),
+        ("direction(car, axis) >= p.heading", ["direction(car, axis) >= p.heading"]),
+        ("p.heading <= 90 deg and p.heading <= car.steering + 10 deg", []),
+        ("abs(sin(q.heading - p.heading) / (q.t - p.t)) <= 1 rad/s", []),
+        ("p.heading / car.heading <= 3 and p.heading + car.heading <= car.heading", []),
+    ],
+)  # fmt: skip
+def test_headings_turn_over_however_they_are_compared(demand: str, said: list[str], tmp_path: Path) -> None:
+    clause = "  for all   consecutive p, q in plan\n"
+    made = compiled(tmp_path, TURNING + rule("a", demand, clause))
+    assert [found.span.text for found in made.found if found.code == "W310"] == said
+    assert {found.code for found in made.found} <= {"W310", "E220"}
+
+
+def test_a_car_that_turns_on_through_180_degrees_turns_no_faster(tmp_path: Path) -> None:
+    """What the warning is about: at 5 deg/s all along, the rate of the numbers is that of almost a whole turn."""
+    clause = "  for all   consecutive p, q in plan\n"
+    numbers = rule("numbers", "abs((q.heading - p.heading) / (q.t - p.t)) <= 10 deg/s", clause)
+    angles = rule("angles", "abs(angle_difference(q.heading, p.heading) / (q.t - p.t)) <= 10 deg/s", clause)
+    path = tmp_path / "made.spec"
+    path.write_text(HEAD.replace("\n", "\nuse prelude.frames\n", 1) + TURNING + numbers + angles, "utf-8")
+    made = compile_paths([path], tmp_path)
+    assert [(found.code, found.span.text) for found in made.found] == [("W310", "q.heading - p.heading")]
+    evaluator = Evaluator(made.spec, None, "reference")
+    heading = [math.radians(degrees) for degrees in (170.0, 175.0, -180.0, -175.0)]
+    (result,) = evaluator.evaluate(
+        [evaluator.read({"signals": {"plan": {"t": [0, 1, 2, 3], "heading": heading}}})]
+    )
+    assert [result.rules[name].verdict for name in ("numbers", "angles")] == ["violated", "satisfied"]

@@ -201,11 +201,12 @@ class Advice:
         unit = "" if left.dimension == NUMBER else f" {show(left.dimension)}"
         return ExactlyEqual(span, op, f"abs({difference}) {within} ...{unit}")
 
-    def turns_over(self, left: typed.Number, right: typed.Number) -> TurnsOver | None:
-        """What is to be said of a comparison of how far two headings are apart, where nothing takes whole turns out of it."""
-        if left.dimension != NUMBER:
-            return None
-        apart = next((one for number in (left, right) if (one := _apart(number)) is not None), None)
+    def turns_over(self, left: typed.Number, right: typed.Number, span: Span) -> TurnsOver | None:
+        """What is to be said of a comparison of two headings, or of how far they are apart, where nothing takes whole turns out of it."""
+        one, other = _heading(left), _heading(right)
+        if one is not None and other is not None:
+            return TurnsOver(span, _text(one), _text(other), "179 deg and -179 deg are no 358 deg apart")
+        apart = next((found for number in (left, right) if (found := _apart(number)) is not None), None)
         return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
 
     def joined(self, left: typed.Number, right: typed.Number) -> Iterator[BareAngle | BarePercentage]:
@@ -384,19 +385,38 @@ def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
 
 
 def _apart(node: typed.Number) -> typed.Arithmetic | None:
-    """The difference of two headings that a number is, or of one and a constant; its size, or the most or least of several."""
+    """The difference of two headings that a number is made of, or of one and a constant: its size, its rate, the most or least of several."""
     node = _behind(node)
-    if isinstance(node, typed.Arithmetic):
-        sides = (node.left, node.right)
-        settled = all(_leads(one) or not _reads(one) for one in sides)
-        return node if node.op == "-" and settled and any(map(_leads, sides)) else None
-    if isinstance(node, typed.Negative):
-        return _apart(node.operand)
-    if isinstance(node, typed.Folded):
-        return None if node.body is None else _apart(node.body)
-    if isinstance(node, typed.Function) and node.name in _GIVE_ON:
-        return next((one for part in node.arguments if (one := _apart(part)) is not None), None)
-    return None
+    match node:
+        case typed.Arithmetic(op="-"):
+            sides = (node.left, node.right)
+            settled = all(_leads(one) or not _reads(one) for one in sides)
+            return node if settled and any(map(_leads, sides)) else None
+        case typed.Arithmetic(op="*"):
+            parts: tuple[typed.Number, ...] = (node.left, node.right)
+        case typed.Arithmetic(op="/"):
+            parts = (node.left,)
+        case typed.Negative():
+            parts = (node.operand,)
+        case typed.Power():
+            parts = (node.base,)
+        case typed.Folded(body=body) if body is not None:
+            parts = (body,)
+        case typed.Function() if node.name in _GIVE_ON or node.name in ("sqrt", "hypot"):
+            parts = node.arguments
+        case _:  # whatever else is made of it, such as a sine, is another matter
+            return None
+    return next((one for part in parts if (one := _apart(part)) is not None), None)
+
+
+def _heading(node: typed.Number) -> typed.Number | None:
+    """The heading that a number is but for a constant."""
+    node = _behind(node)
+    if isinstance(node, typed.Arithmetic) and node.op in "+-":
+        if not _reads(node.right):
+            return _heading(node.left)
+        return _heading(node.right) if node.op == "+" and not _reads(node.left) else None
+    return node if _leads(node) else None
 
 
 def _leads(node: typed.Number) -> bool:

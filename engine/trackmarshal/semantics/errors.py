@@ -751,17 +751,19 @@ class TurnsOver(Diagnostic):
     title = "headings compared across a whole turn"
     level = "warning"
     text = "two headings that are alike may differ by a whole turn here"
-    label = "from 179 deg to -179 deg, this is 358 deg"
+    label = "{told}"
     remedy = "write `angle_difference({first}, {second})`, of the module `prelude.frames`"
     explanation = (
         "Headings start anew after half a turn: what heads for 179 deg and what heads for -179 deg go almost the same way, and their difference is 358 deg. "
-        "A rule that asks how far two headings are apart, or chooses by it whom it is about, is then wrong about cars that drive side by side. "
+        "A rule that asks how far two headings are apart, how fast one turns, or which of two is the greater one, or chooses by it whom it is about, is then wrong about "
+        "cars that drive side by side, and about one that drives on through 180 deg. "
         "`angle_difference` takes whole turns out; sines and cosines of a difference do without it."
     )
 
     span: Span
     first: str
     second: str
+    told: str = "from 179 deg to -179 deg, this is 358 deg"
 
 
 class NeverAsked(Diagnostic):
