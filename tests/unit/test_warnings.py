@@ -93,7 +93,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    numbers = range(301, 316)
+    numbers = range(301, 317)
     assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
@@ -590,3 +590,32 @@ def test_a_car_that_turns_on_through_180_degrees_turns_no_faster(tmp_path: Path)
         [evaluator.read({"signals": {"plan": {"t": [0, 1, 2, 3], "heading": heading}}})]
     )
     assert [result.rules[name].verdict for name in ("numbers", "angles")] == ["violated", "satisfied"]
+
+
+@pytest.mark.parametrize(
+    ("clauses", "warned"),
+    [
+        ('  exists    o in objects\n  except    fast "x"\n', True),
+        ('  exists    nearest o in objects by o.x\n  except    fast "x"\n', True),
+        ('  for all   p in objects\n  exists    o in objects\n  except    p.v > ego.v "x"\n', True),
+        ('  for all   o in objects\n  except    fast "x"\n', False),
+        ('  exists    o in objects\n  except    o.v > ego.v "x"\n', False),
+        (
+            '  exists    o in objects\n  let near = o.x < 3 m\n  let far = not near\n  except    far "x"\n',
+            False,
+        ),
+        ('  exists    p in objects\n  for all   o in objects\n  except    fast "x"\n', False),
+    ],
+)
+def test_an_exception_that_leaves_nothing_to_be_found_is_asked_about(
+    clauses: str, warned: bool, tmp_path: Path
+) -> None:
+    """As the evaluator says: what is left out of an `exists` altogether violates the rule, and of a `for all` it demands nothing."""
+    made = compiled(tmp_path, OBJECTS + rule("a", "o.x >= -100 m", clauses))
+    assert made.errors == []
+    assert ("W316" in {found.code for found in made.found}) == warned
+    if "fast" in clauses and "exists    p" not in clauses:
+        evaluator = Evaluator(made.spec, None, "reference")
+        signals = {"ego": {"v": 2.0, "heading": 0.0}, "objects": [{"v": 1.0, "x": 1.0}], "fast": True}
+        (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+        assert result.rules["a"].verdict == ("violated" if warned else "inactive")

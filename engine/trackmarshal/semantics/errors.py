@@ -929,6 +929,27 @@ class NoValue(Diagnostic):
     beyond: str
 
 
+class NothingFound(Diagnostic):
+    code = "W316"
+    title = "an exception that leaves nothing to be found"
+    level = "warning"
+    text = "this exception is not about `{names}`: where it holds, all of `{domain}` are left out, and the rule is violated"
+    label = "an `exists` of which nothing is left finds nothing"
+    remedy = (
+        "write `whenever not (...)` where the rule does not apply then, put it below the `for all` that it is about, or say in the rule why this is meant: "
+        '`allow W316 because "..."`'
+    )
+    explanation = (
+        "An `except` leaves elements out of the quantifier before it. Where it does not ask about the variables of that, it leaves out all of them or none: "
+        "a `for all` then demands nothing, as was meant, and an `exists` finds nothing, which violates the rule. `exists p in plan`, `except emergency` is "
+        "violated by every emergency trajectory."
+    )
+
+    span: Span
+    names: str
+    domain: str
+
+
 class NeverStarts(Diagnostic):
     code = "W312"
     title = "a rule with which a Supervisor never starts"

@@ -21,6 +21,7 @@ from trackmarshal.semantics.errors import (
     AllowsNothing,
     Ambiguous,
     ClauseProblem,
+    NothingFound,
     UnknownName,
     UnknownReference,
     UnusedVariable,
@@ -276,6 +277,8 @@ class RuleBuilder:
         sought = within = ""
         #: Those that are looked for, and what a `let` says of them.
         about = set[str]()
+        #: The variables of the last quantifier, and what a `let` says of them.
+        latest = set[str]()
         # Of those that stand below the condition that is said; what they bind is known in it all the same.
         scene = [c for c in item.clauses if isinstance(c, _SCENE)]
         clauses = [*scene, *(c for c in item.clauses if isinstance(c, ast.Require))]
@@ -303,6 +306,7 @@ class RuleBuilder:
                         self.x.advise(met_by_others("where", clause.where))
                         sought = clause.quantifier if clause.by is None else ""
                         about |= set(clause.names) if sought == "exists" else set()
+                        latest = set(clause.names)
                         guard, by = self._range_condition(clause, ctx)
                         if over is not None:
                             word = known(clause.quantifier, QUANTIFIERS)
@@ -312,6 +316,7 @@ class RuleBuilder:
                         self.x.advise(met_by_others("except", clause.condition))
                         condition = self.x.formula(clause.condition, ctx)
                         if quantifier is not None:  # else it was reported with the clauses' places
+                            self._leaves_out(clause, quantifier, bool(latest & mentioned[position]))
                             made.append(typed.Except(quantifier, condition, clause.reason, clause.span))
                     case ast.Whenever():
                         self.x.advise(met_by_others("whenever", clause.condition))
@@ -322,6 +327,7 @@ class RuleBuilder:
                     case ast.Let():
                         self.x.check_new(clause.name, clause.span, ctx)
                         about |= {clause.name} if about & mentioned[position] else set()
+                        latest |= {clause.name} if latest & mentioned[position] else set()
                         if mentions[clause.name] == (
                             clause.name in mentioned[position]
                         ):  # by no other clause
@@ -351,6 +357,14 @@ class RuleBuilder:
         if failed or not any(isinstance(clause, typed.Require) for clause in made):
             return None
         return typed.Rule(item.name, item.title, tuple(made), item.span)
+
+    def _leaves_out(self, clause: ast.Except, quantifier: typed.ForEach, about_it: bool) -> None:
+        """Warn of an exception that leaves out all or none of an `exists`."""
+        if quantifier.quantifier == "exists" and not about_it:
+            names = "`, `".join(quantifier.range.names)
+            self.x.found.append(
+                NothingFound(ast.span_of(clause.condition), names, quantifier.range.signal.name)
+            )
 
     def _range_condition(
         self, clause: ast.Bind, ctx: Context
