@@ -7,7 +7,8 @@ import re
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.source import SourceFile, Span
 from trackmarshal.syntax import ast
-from trackmarshal.syntax.errors import StrayText
+from trackmarshal.syntax.comments import comments_of
+from trackmarshal.syntax.errors import StrayText, UnexpectedText
 from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
 from trackmarshal.syntax.slips import FOREIGN_DECLARATIONS
@@ -18,6 +19,8 @@ _START = re.compile(
     rf'|(?!(?:{"|".join(sorted(RESERVED))})\b)(?P<word>[A-Za-z_][A-Za-z0-9_]*)[ \t]+["A-Za-z_])',
     re.MULTILINE,
 )
+# A comment that stands behind a number, a name or a bracket without a blank, and begins with a number or a bracket.
+_MINUSES = re.compile(r"(?<=[\w)\]}%²³])--(?=[0-9.(])")
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
 
 # The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style.
@@ -56,6 +59,7 @@ def parse(file: SourceFile) -> tuple[ast.Module, list[Diagnostic]]:
         item = parse_item(file, match.start(), end, found)
         if item is not None:
             items.append(item)
+    found += _two_minuses(file)
     return ast.Module(tuple(items), is_unicode(text), Span(file, 0, len(text))), found
 
 
@@ -80,6 +84,16 @@ def parse_item(file: SourceFile, start: int, end: int, found: list[Diagnostic]) 
     if not isinstance(item, ast.Item):
         raise AssertionError(f"the grammar built a {type(item).__name__}")
     return item
+
+
+def _two_minuses(file: SourceFile) -> list[Diagnostic]:
+    """Comments that read as two minus signs: of `a--1 m`, what stands behind `a` would be lost without a word."""
+    if _MINUSES.search(file.text) is None:  # mostly
+        return []
+    starts = [comment.start for comment in comments_of(file.text)]
+    spans = [Span(file, start, start + 2) for start in starts if _MINUSES.match(file.text, start)]
+    hint = "two minus signs begin a comment: put the second one in parentheses, as in `a - (-1 m)`, or a blank before the comment"
+    return [UnexpectedText(span, "`--`", "a blank before a comment", hint) for span in spans]
 
 
 def _stray(file: SourceFile, start: int) -> StrayText:
