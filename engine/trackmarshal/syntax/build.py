@@ -440,12 +440,25 @@ class Builder:
     def prefix(self, meta: Meta, c: list[Any]) -> ast.Unary:
         return ast.Unary(plain(c[0]), c[1], self._span(meta))
 
+    def _raised(self, expr: ast.Expr, meta: Meta) -> ast.Expr:
+        """What an exponent belongs to: of `3 m ^2`, nobody sees whether to the quantity or to its unit."""
+        if isinstance(expr, ast.Number) and expr.unit and not ast.is_parenthesised(expr):
+            span, quantity = self._span(meta), expr.span.text
+            power = "".join(span.text[len(quantity) :].split())
+            hint = f"write `({quantity}){power}` for a power of it, and `{quantity}{power}` for its unit"
+            raise Refused(
+                UnexpectedText(
+                    span, f"`{span.text}`", "an exponent of the quantity, or one of its unit", hint
+                )
+            )
+        return expr
+
     def power(self, meta: Meta, c: list[Any]) -> ast.Binary:
-        return ast.Binary("^", c[0], c[1], self._span(meta))
+        return ast.Binary("^", self._raised(c[0], meta), c[1], self._span(meta))
 
     def superscript(self, meta: Meta, c: list[Any]) -> ast.Binary:
         digit = ast.Number("2" if c[1] == "²" else "3", "", self._at(c[1]))
-        return ast.Binary("^", c[0], digit, self._span(meta))
+        return ast.Binary("^", self._raised(c[0], meta), digit, self._span(meta))
 
     def root(self, meta: Meta, c: list[Any]) -> ast.Call:
         return ast.Call("sqrt", (c[0],), ("",), self._span(meta))
