@@ -619,3 +619,21 @@ def test_an_exception_that_leaves_nothing_to_be_found_is_asked_about(
         signals = {"ego": {"v": 2.0, "heading": 0.0}, "objects": [{"v": 1.0, "x": 1.0}], "fast": True}
         (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
         assert result.rules["a"].verdict == ("violated" if warned else "inactive")
+
+
+@pytest.mark.parametrize(
+    ("text", "help_"),
+    [
+        (rule("a", "truck.load <= 50 m"), "write a number in %, such as `50 %`"),
+        (rule("a", "ego.heading <= 90 m/s"), "write a number in rad, such as `90 rad`"),
+        (rule("a", "truck.level <= 3 m"), "leave the unit out: `3`"),
+        (rule("a", "wear(50 m) <= truck.v"), "write a number in %, such as `50 %`"),
+        ("param steep : deg = 5 m\n", "write a number in deg, such as `5 deg`"),
+        ("param least : % = 0.2\n", "write the unit: `0.2 %`, or `20 %` where it is a share of a whole"),
+        ("param least : % = 20\n", "write the unit: `20 %`"),
+    ],
+)
+def test_no_help_leads_to_a_number_that_is_another_one(text: str, help_: str, tmp_path: Path) -> None:
+    """Who leaves out the unit beside a percentage, as was told, has a limit that is a hundred times as high."""
+    (found,) = compiled(tmp_path, READ + text).found
+    assert found.help == help_

@@ -239,6 +239,9 @@ class Advice:
             return None
         if unit not in ("1", "rad") and all(map(self.is_bare, numbers)):
             wanted, hint = f"a number in {unit}", f"write the unit: `{_text(numbers[0])} {unit}`"
+            share = typed.literal(numbers[0])
+            if unit in PERCENT and share is not None and abs(share) <= 1.0:
+                hint += f", or `{in_full(share, unit)}` where it is a share of a whole"
             return WrongDimension(numbers[0].span, declared, what, wanted, "a bare number", hint)
         return (
             self.bare(numbers[0], declared) if unit in ANGLES and all(map(self._uncounted, numbers)) else None

@@ -638,8 +638,9 @@ def unit_hint(value: typed.Number, wanted: Dimension, declared: str = "") -> str
         unit = declared
     if literal is None or typed.literal(value) is None or "*" in unit or "(" in unit:
         return ""
-    if wanted == NUMBER:
-        return f"leave the unit out: `{literal[1]}`"
+    if wanted == NUMBER:  # of what is declared in deg or %, a bare number is another one
+        other = f"write a number in {unit}, such as `{literal[1]} {unit}`"
+        return f"leave the unit out: `{literal[1]}`" if unit == "1" else other
     if not literal[2]:
         return f"write the unit: `{literal[1]} {unit}`"
     if literal[2] == "%":
