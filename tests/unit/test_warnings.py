@@ -637,3 +637,31 @@ def test_no_help_leads_to_a_number_that_is_another_one(text: str, help_: str, tm
     """Who leaves out the unit beside a percentage, as was told, has a limit that is a hundred times as high."""
     (found,) = compiled(tmp_path, READ + text).found
     assert found.help == help_
+
+
+@pytest.mark.parametrize(
+    ("ways", "clauses", "said"),
+    [
+        ("linear", "", ["below 2 m/s", "above 1200 kg"]),
+        ("linear clamp, step", "", []),
+        ("linear clamp, linear", "", ["above 1200 kg"]),
+        ("step, linear clamp", "", ["below 2 m/s"]),
+        ("linear, linear clamp", "  whenever  car.v in [2 m/s, 40 m/s]\n", []),
+        ("linear", "  whenever  car.v in [2 m/s, 40 m/s] and car.mass <= 1200 kg\n", []),
+    ],
+)
+def test_a_table_of_two_arguments_is_asked_about_along_both(
+    ways: str, clauses: str, said: list[str], tmp_path: Path
+) -> None:
+    head = (
+        "signal car : state { v: m/s in [0, 40], mass: kg in [900, 1400] }\n"
+        f"table braking(v: m/s, mass: kg) -> m/s^2 = {ways}\n"
+        "  | mass: 900 kg, 1200 kg | 2 m/s: 9 m/s^2, 8 m/s^2 | 40 m/s: 7 m/s^2, 6 m/s^2 |\n"
+    )
+    made = compiled(tmp_path, head + rule("a", "braking(car.v, car.mass) >= 5 m/s^2", clauses))
+    assert {found.code for found in made.found} == ({"W315"} if said else set())
+    assert [found.message.split(" has no value ")[1].split(",")[0] for found in made.found] == said
+    evaluator = Evaluator(made.spec, None, "reference")
+    signals = [{"car": {"v": v, "mass": mass}} for v in (0.0, 2.0, 40.0) for mass in (900.0, 1200.0, 1400.0)]
+    results = evaluator.evaluate([evaluator.read({"signals": each}) for each in signals])
+    assert any(result.rules["a"].verdict == "undefined" for result in results) == bool(said)

@@ -76,8 +76,8 @@ class Bounds:
     ) -> None:  # fmt: skip
         self._signals, self.params = signals, params
         self.tables = tables
-        #: By table, where the inputs lie at which the rule reads it.
-        self.read_at: dict[str, Interval] = {}
+        #: By table, and by which of its arguments, where the inputs lie at which the rule reads it.
+        self.read_at: dict[tuple[str, int], Interval] = {}
         #: Whether note is taken of that: where something is assumed, it was asked before what it can come to.
         self._noting = False
         self._fields: dict[tuple[str, str], FieldType | None] = {}
@@ -341,10 +341,10 @@ class Bounds:
             case ir.OnLane():
                 return NOT_NEGATIVE if node.what == "distance" else ANY
             case ir.Lookup():
-                if self._noting:
-                    self._reads(node, facts)
+                self._reads(node.table, (node.argument,), facts)
                 return ANY  # another one may be given
             case ir.GridLookup():
+                self._reads(node.table, (node.first, node.second), facts)
                 return ANY
             case ir.Station() | ir.Offset() | ir.Direction() | ir.StationGap() | ir.StretchRoom():
                 return ANY
@@ -356,12 +356,13 @@ class Bounds:
         if self._noting and _looks_up(condition):
             self.truths(condition, facts)
 
-    def _reads(self, node: ir.Lookup, facts: Facts) -> None:
+    def _reads(self, table: str, arguments: tuple[ir.Num, ...], facts: Facts) -> None:
         """Take note of where a table is read: of an input alone, since what is computed need not come to all that its interval has."""
-        if isinstance(node.argument, (ir.Column, ir.Sample, ir.Scalar)):
-            low, high = self._interval(node.argument, facts)
-            least, most = self.read_at.get(node.table, (low, high))
-            self.read_at[node.table] = min(low, least), max(high, most)
+        for place, argument in enumerate(arguments if self._noting else ()):
+            if isinstance(argument, (ir.Column, ir.Sample, ir.Scalar)):
+                low, high = self._interval(argument, facts)
+                least, most = self.read_at.get((table, place), (low, high))
+                self.read_at[table, place] = min(low, least), max(high, most)
 
     def _arithmetic(self, node: ir.Arith, facts: Facts) -> Interval:
         left, right = self._interval(node.left, facts), self._interval(node.right, facts)
@@ -446,7 +447,7 @@ class Bounds:
 
 
 def _looks_up(formula: ir.Formula) -> bool:
-    return any(isinstance(node, ir.Lookup) for node in ir.below(formula))
+    return any(isinstance(node, ir.Lookup | ir.GridLookup) for node in ir.below(formula))
 
 
 def _flag(node: ir.Flag) -> _FlagAt:

@@ -28,15 +28,19 @@ def vacuous(core: Lowered, rule: typed.Rule, bounds: Bounds) -> list[Diagnostic]
 
 def _outside(core: Lowered, rule: typed.Rule, bounds: Bounds) -> Iterator[Diagnostic]:
     """Of tables that have no value outside of their knots, those that inputs may be outside of by their declared ranges."""
-    for name, (low, high) in bounds.read_at.items():
+    for (name, place), (low, high) in bounds.read_at.items():
         table = bounds.tables.get(name)  # None where it has errors of its own
-        if table is None or table.way.clamped or table.way.length:
+        if table is None:
             continue
-        first, last = table.knots[0], math.inf if table.way.steps else table.knots[-1]
+        knots, unit, way = table.knots, table.units[0], table.way
+        if place and table.across is not None:
+            knots, unit, way = table.across.knots, table.across.unit, table.across.way
+        if way.clamped or way.length:
+            continue
+        first, last = knots[0], math.inf if way.steps else knots[-1]
         beyond = low if -math.inf < low < first else high if last < high < math.inf else None
         if beyond is not None:
             side, end = ("below", first) if beyond < first else ("above", last)
-            unit = table.units[0]
             yield NoValue(
                 _asking(core, rule, name), short_name(table), side, in_full(end, unit), in_full(beyond, unit)
             )
@@ -53,7 +57,10 @@ def _asking(core: Lowered, rule: typed.Rule, table: str) -> Span:
         (
             span
             for span, formula in places
-            if any(isinstance(node, ir.Lookup) and node.table == table for node in ir.below(formula))
+            if any(
+                isinstance(node, ir.Lookup | ir.GridLookup) and node.table == table
+                for node in ir.below(formula)
+            )
         ),
         rule.condition.span,
     )
