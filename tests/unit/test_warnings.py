@@ -665,3 +665,34 @@ def test_a_table_of_two_arguments_is_asked_about_along_both(
     signals = [{"car": {"v": v, "mass": mass}} for v in (0.0, 2.0, 40.0) for mass in (900.0, 1200.0, 1400.0)]
     results = evaluator.evaluate([evaluator.read({"signals": each}) for each in signals])
     assert any(result.rules["a"].verdict == "undefined" for result in results) == bool(said)
+
+
+@pytest.mark.parametrize(
+    ("heading", "warned"),
+    [
+        ("(1 - share) * p.heading + share * q.heading", True),
+        ("p.heading + share * (q.heading - p.heading)", True),
+        ("(q.heading - p.heading) * 2 / 4 + p.heading", True),
+        ("(p.heading + q.heading) / 2", True),
+        ("0.5 * (p.heading + q.heading)", True),
+        ("p.heading + share * angle_difference(q.heading, p.heading)", False),
+        ("p.heading + angle_difference(q.heading, p.heading) / 2", False),
+        ("p.heading + car.steering", False),
+        ("2 * p.heading - car.steering", False),
+    ],
+)
+def test_what_lies_between_two_headings_is_asked_about(heading: str, warned: bool, tmp_path: Path) -> None:
+    """By what comes of it: halfway from 175 deg to -175 deg, a car heads for 180 deg, and not for 0 deg."""
+    path = tmp_path / "made.spec"
+    clause = f"  for all   consecutive p, q in plan\n  let       share = 0.5\n  let       on = {heading}\n"
+    clause = clause if "share" in heading else clause.replace("  let       share = 0.5\n", "")
+    text = HEAD.replace("\n", "\nuse prelude.frames\n", 1) + TURNING
+    path.write_text(text + rule("a", "cos(angle_difference(on, 180 deg)) > 0.9", clause), "utf-8")
+    made = compile_paths([path], tmp_path)
+    assert [found.code for found in made.found] == (["W310"] if warned else [])
+    evaluator = Evaluator(made.spec, None, "reference")
+    plan = {"t": [0, 1], "heading": [math.radians(175.0), math.radians(-175.0)]}
+    signals = {"plan": plan, "car": {"x": 0, "y": 0, "heading": 0, "steering": 2}}
+    (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+    if "steering" not in heading:
+        assert result.rules["a"].verdict == ("violated" if warned else "satisfied")

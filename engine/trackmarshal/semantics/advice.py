@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
-from typing import TypeGuard, assert_never
+from typing import TypeAlias, TypeGuard, assert_never
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
@@ -208,6 +208,20 @@ class Advice:
             return TurnsOver(span, _text(one), _text(other), "179 deg and -179 deg are no 358 deg apart")
         apart = next((found for number in (left, right) if (found := _apart(number)) is not None), None)
         return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
+
+    def between(self, op: str, left: typed.Number, right: typed.Number, span: Span) -> TurnsOver | None:
+        """What is to be said of arithmetic that takes a heading between two others from their numbers."""
+        if left.dimension != NUMBER or right.dimension != NUMBER:  # mostly
+            return None
+        one, other = _behind(left), _behind(right)
+        ends: _Ends | None = None
+        if op == "+":
+            ends = _shares(one, other) or _on_the_way(one, other) or _on_the_way(other, one)
+        elif op in ("*", "/"):
+            ends = _summed(one, other) or (_summed(other, one) if op == "*" else None)
+        elif op != "-":
+            raise AssertionError(f"unknown operator {op}")
+        return None if ends is None else TurnsOver(span, _text(ends[0]), _text(ends[1]), _THROUGH)
 
     def joined(self, left: typed.Number, right: typed.Number) -> Iterator[BareAngle | BarePercentage]:
         """What is to be said of two numbers that are compared, added or chosen between."""
@@ -410,6 +424,36 @@ def _apart(node: typed.Number) -> typed.Arithmetic | None:
         case _:  # whatever else is made of it, such as a sine, is another matter
             return None
     return next((one for part in parts if (one := _apart(part)) is not None), None)
+
+
+#: Two headings.
+_Ends: TypeAlias = tuple[typed.Number, typed.Number]
+_THROUGH = "of 179 deg and -179 deg, what lies between is taken for 0 deg"
+
+
+def _shares(one: typed.Number, other: typed.Number) -> _Ends | None:
+    """The headings of which two numbers are multiples: `(1 - share) * p.heading + share * q.heading`."""
+    factors = [
+        next(filter(_leads, (each.left, each.right)), None)
+        for each in (one, other)
+        if isinstance(each, typed.Arithmetic) and each.op == "*"
+    ]
+    found = [each for each in factors if each is not None]
+    return (found[1], found[0]) if len(found) == 2 else None
+
+
+def _on_the_way(begin: typed.Number, way: typed.Number) -> _Ends | None:
+    """The headings between which one is, that is another one and a multiple of a difference: `p.heading + share * (q.heading - p.heading)`."""
+    scaled = isinstance(way, typed.Arithmetic) and way.op in "*/"
+    apart = _apart(way) if scaled and _leads(begin) else None
+    return None if apart is None else (apart.left, apart.right)
+
+
+def _summed(total: typed.Number, factor: typed.Number) -> _Ends | None:
+    """The headings of which one is the mean: `(p.heading + q.heading) / 2`."""
+    if not isinstance(total, typed.Arithmetic) or total.op != "+" or _reads(factor):
+        return None
+    return (total.right, total.left) if _leads(total.left) and _leads(total.right) else None
 
 
 def _heading(node: typed.Number) -> typed.Number | None:

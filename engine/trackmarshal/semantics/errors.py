@@ -755,8 +755,8 @@ class TurnsOver(Diagnostic):
     remedy = "write `angle_difference({first}, {second})`, of the module `prelude.frames`"
     explanation = (
         "Headings start anew after half a turn: what heads for 179 deg and what heads for -179 deg go almost the same way, and their difference is 358 deg. "
-        "A rule that asks how far two headings are apart, how fast one turns, or which of two is the greater one, or chooses by it whom it is about, is then wrong about "
-        "cars that drive side by side, and about one that drives on through 180 deg. "
+        "A rule that asks how far two headings are apart, how fast one turns, what lies between two, or which is the greater one, or chooses by it whom it is about, is then "
+        "wrong about cars that drive side by side, and about one that drives on through 180 deg. "
         "`angle_difference` takes whole turns out; sines and cosines of a difference do without it."
     )
 

@@ -485,6 +485,7 @@ class Expressions:
             self.number(expr.right, ctx)  # whose errors are reported as well
             raise
         right = self.number(expr.right, ctx)
+        self.advise(self.advice.between(op, left, right, span))
         if op in ("*", "/"):
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
