@@ -93,7 +93,7 @@ def test_a_reason_is_part_of_what_a_rule_says(tmp_path: Path) -> None:
 def test_every_warning_can_be_explained() -> None:
     from trackmarshal.cli.catalogue import catalogue
 
-    numbers = range(301, 317)
+    numbers = range(301, 318)
     assert warnings() == {"E220", *(f"W{number}" for number in numbers)}
     assert warnings() <= catalogue().keys()
 
@@ -696,3 +696,28 @@ def test_what_lies_between_two_headings_is_asked_about(heading: str, warned: boo
     (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
     if "steering" not in heading:
         assert result.rules["a"].verdict == ("violated" if warned else "satisfied")
+
+
+@pytest.mark.parametrize("angle", [0.1, -0.1])
+def test_who_leads_is_lost_over_the_finish_line(angle: float, tmp_path: Path) -> None:
+    """What the warning is about: of two cars 10 m apart on a ring, the one ahead is so wherever they are."""
+    text = """module made
+signal ego : state { x: m, y: m }
+signal other : state { x: m, y: m }
+signal track : corridor { left: polyline, right: polyline }
+rule numbers "r"
+  require   station(other, track) - station(ego, track) > 0 m
+rule gap "r"
+  require   station_gap(track, station(ego, track), station(other, track)) > 0 m
+"""
+    (tmp_path / "made.spec").write_text(text, "utf-8")
+    made = compile_paths([tmp_path / "made.spec"], tmp_path)
+    assert [(found.code, found.span.line) for found in made.found] == [("W317", 6)]
+    ring = [2 * math.pi * i / 64 for i in range(64)]
+    left, right = ([[r * math.cos(a), r * math.sin(a)] for a in ring] for r in (94.0, 106.0))
+    at = [{"x": 100 * math.cos(a), "y": 100 * math.sin(a)} for a in (angle - 0.05, angle + 0.15)]
+    evaluator = Evaluator(made.spec, None, "reference")
+    signals = {"ego": at[0], "other": at[1], "track": {"left": left, "right": right, "closed": True}}
+    (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+    assert result.rules["gap"].verdict == "satisfied"
+    assert result.rules["numbers"].verdict == ("satisfied" if angle > 0.0 else "violated")

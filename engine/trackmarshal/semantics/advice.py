@@ -20,11 +20,13 @@ from trackmarshal.semantics.errors import (
     ExactlyEqual,
     GoesOn,
     JoinsConditions,
+    LapsOver,
     MetByOthers,
     SameEverywhere,
     TurnsOver,
     WrongDimension,
 )
+from trackmarshal.semantics.values import on_open_line
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.notation import ASKED
@@ -203,11 +205,20 @@ class Advice:
 
     def turns_over(self, left: typed.Number, right: typed.Number, span: Span) -> TurnsOver | None:
         """What is to be said of a comparison of two headings, or of how far they are apart, where nothing takes whole turns out of it."""
-        one, other = _heading(left), _heading(right)
+        one, other = _but_for_constants(left, _leads), _but_for_constants(right, _leads)
         if one is not None and other is not None:
             return TurnsOver(span, _text(one), _text(other), "179 deg and -179 deg are no 358 deg apart")
         apart = next((found for number in (left, right) if (found := _apart(number)) is not None), None)
         return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
+
+    def laps_over(self, left: typed.Number, right: typed.Number, span: Span) -> LapsOver | None:
+        """The same of stations of a line that may be closed, one beside another: a station and a constant are a place."""
+        one, other = _but_for_constants(left, _stands), _but_for_constants(right, _stands)
+        if one is not None and other is not None:
+            return LapsOver(span, _text(other), _text(one))
+        found = (_apart(number, _both_stand) for number in (left, right))
+        apart = next((each for each in found if each is not None), None)
+        return None if apart is None else LapsOver(apart.span, _text(apart.right), _text(apart.left))
 
     def between(self, op: str, left: typed.Number, right: typed.Number, span: Span) -> TurnsOver | None:
         """What is to be said of arithmetic that takes a heading between two others from their numbers."""
@@ -401,14 +412,20 @@ def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
     return (keep for one in node.machine.transitions for keep in one.kept if keep.name == node.name)
 
 
-def _apart(node: typed.Number) -> typed.Arithmetic | None:
-    """The difference of two headings that a number is made of, or of one and a constant: its size, its rate, the most or least of several."""
+def _leads_apart(left: typed.Number, right: typed.Number) -> bool:
+    """Whether a difference is one of two headings, or of one and a constant."""
+    sides = (left, right)
+    return all(_leads(one) or not _reads(one) for one in sides) and any(map(_leads, sides))
+
+
+def _apart(
+    node: typed.Number, of: Callable[[typed.Number, typed.Number], bool] = _leads_apart
+) -> typed.Arithmetic | None:
+    """The difference of two headings, or of what else is asked for, that a number is made of: its size, its rate, the most or least of several."""
     node = _behind(node)
     match node:
         case typed.Arithmetic(op="-"):
-            sides = (node.left, node.right)
-            settled = all(_leads(one) or not _reads(one) for one in sides)
-            return node if settled and any(map(_leads, sides)) else None
+            return node if of(node.left, node.right) else None
         case typed.Arithmetic(op="*"):
             parts: tuple[typed.Number, ...] = (node.left, node.right)
         case typed.Arithmetic(op="/"):
@@ -423,7 +440,18 @@ def _apart(node: typed.Number) -> typed.Arithmetic | None:
             parts = node.arguments
         case _:  # whatever else is made of it, such as a sine, is another matter
             return None
-    return next((one for part in parts if (one := _apart(part)) is not None), None)
+    return next((one for part in parts if (one := _apart(part, of)) is not None), None)
+
+
+def _stands(node: typed.Number) -> bool:
+    """Whether a number is a station of a line that may be closed."""
+    node = _behind(node)
+    return isinstance(node, typed.OnLine) and node.function == "station" and not on_open_line(node.line)
+
+
+def _both_stand(left: typed.Number, right: typed.Number) -> bool:
+    """Whether a difference is one of two stations."""
+    return _stands(left) and _stands(right)
 
 
 #: Two headings.
@@ -456,14 +484,14 @@ def _summed(total: typed.Number, factor: typed.Number) -> _Ends | None:
     return (total.right, total.left) if _leads(total.left) and _leads(total.right) else None
 
 
-def _heading(node: typed.Number) -> typed.Number | None:
-    """The heading that a number is but for a constant."""
+def _but_for_constants(node: typed.Number, kind: Callable[[typed.Number], bool]) -> typed.Number | None:
+    """The number of a kind, such as a heading, that a number is but for a constant."""
     node = _behind(node)
     if isinstance(node, typed.Arithmetic) and node.op in "+-":
         if not _reads(node.right):
-            return _heading(node.left)
-        return _heading(node.right) if node.op == "+" and not _reads(node.left) else None
-    return node if _leads(node) else None
+            return _but_for_constants(node.left, kind)
+        return _but_for_constants(node.right, kind) if node.op == "+" and not _reads(node.left) else None
+    return node if kind(node) else None
 
 
 def _leads(node: typed.Number) -> bool:

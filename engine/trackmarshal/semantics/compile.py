@@ -56,9 +56,9 @@ from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
 from trackmarshal.semantics.shapes import check_shape, own_fields
 from trackmarshal.semantics.states import check_state
-from trackmarshal.semantics.stretches import ends, on_open_line
+from trackmarshal.semantics.stretches import ends
 from trackmarshal.semantics.tables import table_info
-from trackmarshal.semantics.values import Poison
+from trackmarshal.semantics.values import Poison, on_open_line
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit

@@ -766,6 +766,24 @@ class TurnsOver(Diagnostic):
     told: str = "from 179 deg to -179 deg, this is 358 deg"
 
 
+class LapsOver(Diagnostic):
+    code = "W317"
+    title = "stations compared across the finish line"
+    level = "warning"
+    text = "two stations that lie side by side may differ by a whole lap here"
+    label = "over the finish line of a closed line, this is a lap too much, or too little"
+    remedy = 'write `station_gap(LINE, {first}, {second})`, which goes the shorter way round, or say in the rule why this is meant: `allow W317 because "..."`'
+    explanation = (
+        "Stations of a closed line start anew at the finish line: who is 10 m behind it and who is 10 m ahead of it are 20 m apart, and their stations "
+        "almost a lap. Which of two cars leads, and by how much, is then wrong once a lap. `station_gap` goes over the finish line; on an open line it is "
+        "the difference."
+    )
+
+    span: Span
+    first: str
+    second: str
+
+
 class NeverAsked(Diagnostic):
     code = "W304"
     title = "a state that nothing asks for"

@@ -593,6 +593,7 @@ class Expressions:
         self.same("compare", left, right)
         self.advise(self.advice.compared(op, left, right, span))
         self.advise(self.advice.turns_over(left, right, span))
+        self.advise(self.advice.laps_over(left, right, span))
 
     def same(self, action: str, left: typed.Number, right: typed.Number) -> None:
         """Fail unless two numbers have one dimension."""

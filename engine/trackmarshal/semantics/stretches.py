@@ -51,19 +51,6 @@ def ends(expr: ast.Stretch | ast.BetweenStations, x: Expressions, ctx: Context) 
     return line, start, end
 
 
-def on_open_line(line: typed.Line) -> bool:
-    """Whether a line is known to be open, before there is data: a `line` of a spec, or the path of a trajectory."""
-    match line:
-        case typed.PlacedLine() | typed.Path():
-            return True
-        case typed.CalledLine():
-            return on_open_line(line.line)
-        case typed.NamedLine():
-            return line.value is not None and on_open_line(line.value)
-        case _:
-            return False
-
-
 def _station(expr: ast.Expr, what: str, x: Expressions, ctx: Context) -> typed.Number:
     number = x.number(expr, ctx)
     if number.dimension != LENGTH:

@@ -133,6 +133,23 @@ def _identity(record: typed.Record) -> tuple[object, ...]:
             assert_never(record)
 
 
+def on_open_line(line: typed.Line | typed.Area) -> bool:
+    """Whether a line is known to be open, before there is data: a `line` of a spec, the path of a trajectory, or a line of a lane."""
+    match line:
+        case typed.PlacedLine() | typed.Path() | typed.LaneSide() | typed.Lane():
+            return True
+        case typed.CalledLine():
+            return on_open_line(line.line)
+        case typed.Centre():
+            return on_open_line(line.of)
+        case typed.NamedLine() | typed.NamedArea():
+            return line.value is not None and on_open_line(line.value)
+        case typed.SignalLine() | typed.Border() | typed.Corridor() | typed.Zone():
+            return False
+        case _:
+            assert_never(line)
+
+
 def common(*values: typed.Number) -> str:
     """The unit in which several numbers are written; "" where they disagree."""
     units = {value.written for value in values} - {""}
