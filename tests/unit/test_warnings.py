@@ -111,6 +111,13 @@ def test_what_is_shared_is_looked_at_once(tmp_path: Path) -> None:
     first = "  let x0 = ego.v\n  let y0 = ego.heading\n"
     made = compiled(tmp_path, rule("a", "x60 == 1 m/s and y60 < 90", first + lets))
     assert [f.code for f in made.found] == ["W301", "W302"]
+    for step in ("{0} * {0}", "max({0}, {0})", "if ego.v > 1 m/s then {0} else {0}"):
+        first = "  let z0 = ego.heading - 90 deg\n  let w0 = 90\n"
+        lets = "".join(
+            f"  let {x}{i + 1} = {step.format(f'{x}{i}')}\n" for i in range(60) for x in ("z", "w")
+        )
+        made = compiled(tmp_path, rule("a", "w60 < z60", first + lets))
+        assert {f.code for f in made.found} >= {"W310"}
 
 
 @pytest.mark.parametrize(

@@ -415,32 +415,43 @@ def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
 def _leads_apart(left: typed.Number, right: typed.Number) -> bool:
     """Whether a difference is one of two headings, or of one and a constant."""
     sides = (left, right)
-    return all(_leads(one) or not _reads(one) for one in sides) and any(map(_leads, sides))
+    return any(map(_leads, sides)) and all(_leads(one) or not _reads(one) for one in sides)
 
 
 def _apart(
     node: typed.Number, of: Callable[[typed.Number, typed.Number], bool] = _leads_apart
 ) -> typed.Arithmetic | None:
     """The difference of two headings, or of what else is asked for, that a number is made of: its size, its rate, the most or least of several."""
-    node = _behind(node)
-    match node:
-        case typed.Arithmetic(op="-"):
-            return node if of(node.left, node.right) else None
-        case typed.Arithmetic(op="*"):
-            parts: tuple[typed.Number, ...] = (node.left, node.right)
-        case typed.Arithmetic(op="/"):
-            parts = (node.left,)
-        case typed.Negative():
-            parts = (node.operand,)
-        case typed.Power():
-            parts = (node.base,)
-        case typed.Folded(body=body) if body is not None:
-            parts = (body,)
-        case typed.Function() if node.name in _GIVE_ON or node.name in ("sqrt", "hypot"):
-            parts = node.arguments
-        case _:  # whatever else is made of it, such as a sine, is another matter
-            return None
-    return next((one for part in parts if (one := _apart(part, of)) is not None), None)
+    seen: set[typed.Number] = set()  # written out, they can be far more than they are
+    stack = [node]
+    while stack:
+        part = _behind(stack.pop())
+        if part in seen:
+            continue
+        seen.add(part)
+        match part:
+            case typed.Arithmetic(op="-"):
+                if of(part.left, part.right):
+                    return part
+            case typed.Arithmetic(op="*"):
+                stack += [part.right, part.left]
+            case typed.Arithmetic(op="/"):
+                stack.append(part.left)
+            case typed.Negative():
+                stack.append(part.operand)
+            case typed.Power():
+                stack.append(part.base)
+            case typed.Folded(body=body) if body is not None:
+                stack.append(body)
+            case typed.Choice():
+                stack += [part.otherwise, part.then]
+            case typed.NumberCase():
+                stack += [branch.value for branch in reversed(part.branches)]
+            case typed.Function() if part.name in _GIVE_ON or part.name in ("sqrt", "hypot"):
+                stack += reversed(part.arguments)
+            case _:  # whatever else is made of it, such as a sine, is another matter
+                pass
+    return None
 
 
 def _stands(node: typed.Number) -> bool:
@@ -479,18 +490,22 @@ def _on_the_way(begin: typed.Number, way: typed.Number) -> _Ends | None:
 
 def _summed(total: typed.Number, factor: typed.Number) -> _Ends | None:
     """The headings of which one is the mean: `(p.heading + q.heading) / 2`."""
-    if not isinstance(total, typed.Arithmetic) or total.op != "+" or _reads(factor):
+    if not isinstance(total, typed.Arithmetic) or total.op != "+":
         return None
-    return (total.right, total.left) if _leads(total.left) and _leads(total.right) else None
+    both = _leads(total.left) and _leads(total.right)
+    return (total.right, total.left) if both and not _reads(factor) else None
 
 
 def _but_for_constants(node: typed.Number, kind: Callable[[typed.Number], bool]) -> typed.Number | None:
     """The number of a kind, such as a heading, that a number is but for a constant."""
     node = _behind(node)
-    if isinstance(node, typed.Arithmetic) and node.op in "+-":
+    while isinstance(node, typed.Arithmetic) and node.op in "+-":
         if not _reads(node.right):
-            return _but_for_constants(node.left, kind)
-        return _but_for_constants(node.right, kind) if node.op == "+" and not _reads(node.left) else None
+            node = _behind(node.left)
+        elif node.op == "+" and not _reads(node.left):
+            node = _behind(node.right)
+        else:
+            return None
     return node if kind(node) else None
 
 
