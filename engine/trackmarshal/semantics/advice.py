@@ -205,8 +205,8 @@ class Advice:
 
     def turns_over(self, left: typed.Number, right: typed.Number, span: Span) -> TurnsOver | None:
         """What is to be said of a comparison of two headings, or of how far they are apart, where nothing takes whole turns out of it."""
-        one, other = _but_for_constants(left, _leads), _but_for_constants(right, _leads)
-        if one is not None and other is not None:
+        one, other = _but_for_constants(left, _turns), _but_for_constants(right, _turns)
+        if one is not None and other is not None and (_leads(one) or _leads(other)):
             return TurnsOver(span, _text(one), _text(other), "179 deg and -179 deg are no 358 deg apart")
         apart = next((found for number in (left, right) if (found := _apart(number)) is not None), None)
         return None if apart is None else TurnsOver(apart.span, _text(apart.left), _text(apart.right))
@@ -413,9 +413,9 @@ def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
 
 
 def _leads_apart(left: typed.Number, right: typed.Number) -> bool:
-    """Whether a difference is one of two headings, or of one and a constant."""
+    """Whether a difference is one of two headings, or of one and a bearing or a constant."""
     sides = (left, right)
-    return any(map(_leads, sides)) and all(_leads(one) or not _reads(one) for one in sides)
+    return any(map(_leads, sides)) and all(_turns(one) or not _reads(one) for one in sides)
 
 
 def _apart(
@@ -555,6 +555,11 @@ def _chosen_from(number: typed.Number) -> list[typed.Number]:
                 found.append(part)
         seen.add(meant)
     return found
+
+
+def _turns(node: typed.Number) -> bool:
+    """Whether a number starts anew after half a turn: where something heads for, or the bearing that `atan2` gives."""
+    return _leads(node) or (isinstance(found := _behind(node), typed.Function) and found.name == "atan2")
 
 
 def _behind(number: typed.Number) -> typed.Number:
