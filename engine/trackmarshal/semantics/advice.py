@@ -22,6 +22,7 @@ from trackmarshal.semantics.errors import (
     JoinsConditions,
     LapsOver,
     MetByOthers,
+    NoShare,
     SameEverywhere,
     TurnsOver,
     WrongDimension,
@@ -234,11 +235,19 @@ class Advice:
             raise AssertionError(f"unknown operator {op}")
         return None if ends is None else TurnsOver(span, _text(ends[0]), _text(ends[1]), _THROUGH)
 
-    def joined(self, left: typed.Number, right: typed.Number) -> Iterator[BareAngle | BarePercentage]:
+    def joined(
+        self, left: typed.Number, right: typed.Number
+    ) -> Iterator[BareAngle | BarePercentage | NoShare]:
         """What is to be said of two numbers that are compared, added or chosen between."""
         if left.dimension != NUMBER:
             return
         for whole, other in ((left, right), (right, left)):
+            number = _behind(other)
+            if isinstance(number, typed.Folded) and number.body is None and self.declared_in(PERCENT, whole):
+                hint = f"say of how many: `{_text(whole)} * count(...)`"
+                yield NoShare(whole.span, other.span, "a count", hint)
+            elif self.declared_in(ANGLES, other) and self._is_share(whole):
+                yield self._beside_angle(whole, other.span)
             for number in _chosen_from(whole):
                 value = typed.literal(number)
                 if self._uncounted(number) and self.declared_in(ANGLES, other):
@@ -251,13 +260,28 @@ class Advice:
                 ):
                     yield BarePercentage(number.span, other.span, in_full(value, "1"), in_full(value, "%"))
 
+    def _is_share(self, number: typed.Number) -> bool:
+        """Whether a number is a percentage, and not an angle besides, of which it was told where they met."""
+        return self.declared_in(PERCENT, number) and not self.declared_in(ANGLES, number)
+
+    def counted(self, limit: typed.Number, count: Span) -> NoShare | None:
+        """What is to be said of the limit of a count of cycles or samples."""
+        share = self.declared_in(PERCENT, limit)
+        return NoShare(limit.span, count, "a count", "write how many, without a unit") if share else None
+
+    def _beside_angle(self, share: typed.Number, other: Span | None) -> NoShare:
+        hint = f"write it in deg; the angle of a slope is `atan2({_text(share)}, 1)`"
+        return NoShare(share.span, other, "an angle", hint)
+
     def in_unit(
         self, value: typed.Number, unit: str, what: str, declared: Span | None
-    ) -> BareAngle | WrongDimension | None:
+    ) -> BareAngle | NoShare | WrongDimension | None:
         """What is to be said of a plain number where one in a unit is declared.
 
         A literal without a unit is refused where it is one in % or deg, a hundredth of what it looks like; 1 and rad are the same number.
         """
+        if unit in ANGLES and self._is_share(value):
+            return self._beside_angle(value, declared)
         # 0 is the same in every unit; and a limit beside a number of another kind, as in `min(share, 1)`, may well be one of that kind.
         numbers = [number for number in _chosen_from(value) if typed.literal(number) != 0.0]
         if value.dimension != NUMBER or not numbers:

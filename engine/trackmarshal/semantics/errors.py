@@ -746,6 +746,25 @@ class BarePercentage(Diagnostic):
     percent: str
 
 
+class NoShare(Diagnostic):
+    code = "W318"
+    title = "a percentage beside what is no share"
+    level = "warning"
+    text = "a percentage meets {what}"
+    label = "this is a percentage"
+    other_label = "this is {what}"
+    remedy = "{hint}"
+    explanation = (
+        "Percentages, angles and counts are plain numbers, so that dimensions do not tell them apart. 100 % of a slope is 45 deg, and as a number it is 1, which is "
+        "1 rad, 57 deg; `count(o in objects where p) <= 50 %` asks for no more than half an object."
+    )
+
+    span: Span
+    other: Span | None
+    what: str
+    hint: str
+
+
 class TurnsOver(Diagnostic):
     code = "W310"
     title = "headings compared across a whole turn"

@@ -501,9 +501,9 @@ class Expressions:
         op, span = known(expr.op, typed.COMPARISONS), expr.span
         left, right = self._compared(expr, ctx)
         if isinstance(left, typed.Count) and not isinstance(right, typed.Count):
-            return typed.CountComparison(op, left, self._limit(right), False, span)
+            return typed.CountComparison(op, left, self._limit(right, left.span), False, span)
         if isinstance(right, typed.Count) and not isinstance(left, typed.Count):
-            return typed.CountComparison(op, right, self._limit(left), True, span)
+            return typed.CountComparison(op, right, self._limit(left, right.span), True, span)
         if isinstance(left, typed.Count) or isinstance(right, typed.Count):
             self.fail(WrongKind(right.span, "a number", value_spoken(right)))
         self._compare(expr.op, left, right, span)
@@ -541,7 +541,7 @@ class Expressions:
             )
         return self.all(lambda: number(left, expr.left), lambda: number(right, expr.right))
 
-    def _limit(self, number: typed.Number) -> typed.Number:
+    def _limit(self, number: typed.Number, count: Span) -> typed.Number:
         """What a count is compared with: a plain number made of literals and parameters."""
         if number.dimension != NUMBER:
             what = "what a count is compared with"
@@ -563,6 +563,7 @@ class Expressions:
         if any(isinstance(node, inputs) for node in typed.below(number)):
             problem = "a count is compared with a number that no input changes"
             self.fail(BadValue(number.span, problem, None, "use literals and parameters"))
+        self.advise(self.advice.counted(number, count))
         return number
 
     def _within(self, expr: ast.Within, ctx: Context) -> typed.Formula:
