@@ -8,6 +8,7 @@ import re
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -101,13 +102,14 @@ def test_limits_that_are_given_are_held_to_the_constraints_of_those_that_are_dec
 
 def test_the_help_names_what_would_be_taken() -> None:
     """Of a capacity it said that `inf` takes it away, also where that had been given; and of a number of numpy's, that it is to be a number."""
-    for given in ({"samples": math.inf}, {"samples": np.int64(100)}):
+    samples: list[Any] = [math.inf, np.int64(100)]
+    for one in samples:
         with pytest.raises(tm.TrackmarshalError, match="the limit `samples` is") as caught:
-            tm.Limits(**given)  # type: ignore[arg-type]
+            tm.Limits(samples=one)
         assert caught.value.help == "it is a whole number (int), from 2 to 2147483647"
-    for given in ({"budget": -1.0}, {"budget": np.float64(0.1)}):
+    for one in (-1.0, np.float64(0.1)):
         with pytest.raises(tm.TrackmarshalError, match="the limit `budget` is") as caught:
-            tm.Limits(**given)  # type: ignore[arg-type]
+            tm.Limits(budget=one)
         assert caught.value.help == "it is a number (int or float), at least 0; inf takes the limit away"
     assert tm.Limits(budget=math.inf).budget == math.inf
 

@@ -640,7 +640,7 @@ class Interner:
         known = self._known.get(key)
         if known is None:
             known = self._known[key] = cast("type[IR]", kind)(*whole)
-        return cast("T", known)
+        return known  # type: ignore[return-value]
 
     def depth(self, root: Num | Formula) -> int:
         """How many nodes stand in each other; iterative, since that is what may be too much."""
