@@ -262,6 +262,23 @@ def test_a_scenario_that_fires_by_rules_of_others_shows_a_requirement_in_part(tm
     assert status(build(small), "S-1-A-2", "S-3-B") == "partial"
 
 
+@pytest.mark.parametrize(("violated", "expected"), [(10, "covered"), (0, "failed")])
+def test_a_rule_that_was_to_fire_and_was_satisfied_fails_though_another_one_fires(
+    violated: int, expected: str
+) -> None:
+    small = Small()
+    (fired,) = (run for run in small.parts()[3] if "skid" in run.scenario)
+    friction = next(one for one in fired.rules if one.rule == "friction")
+    said = facts("friction", friction.fingerprint, satisfied=90, violated=violated)
+    others = tuple(one for one in fired.rules if one.rule not in ("friction", "gap"))
+    gap = facts("gap", "g" * 8, satisfied=90, violated=10)
+    run = replace(fired, rules=(said, gap, *others), fired=True)
+    runs = [run, *(one for one in small.parts()[3] if one.scenario != fired.scenario)]
+    matrix = build(small, runs=runs)
+    assert status(matrix, "RR-2", "S-3-B") == expected
+    assert [f.code for f in matrix.findings if f.code == "T245"] == ["T245"] * (expected == "failed")
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_of_two_runs_of_a_scenario_the_later_one_counts(turned: bool) -> None:
     small = Small()
