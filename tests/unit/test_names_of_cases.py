@@ -111,6 +111,17 @@ def test_a_line_without_an_id_is_called_by_its_number(project: Path) -> None:
     assert [line["id"] for line in lines] == [1, "b", 3]
 
 
+def test_so_are_candidates(tmp_path: Path) -> None:
+    """They were called by their place among the lines that are not empty, so that `eval` called the same case otherwise."""
+    spec, data = tmp_path / "small.spec", tmp_path / "candidates.jsonl"
+    spec.write_text(SPEC + "rulebook small\n  fast > fresh\n", encoding="utf-8")
+    data.write_text("".join(f"\n{json.dumps({'signals': GOOD})}\n" for _ in range(2)), encoding="utf-8")
+    _, out, _ = run_command("choose", str(spec), str(data), "--format", "json")
+    _, lines, _ = run_command("eval", str(spec), "--data", str(data), "--format", "jsonl")
+    assert [one["id"] for one in json.loads(out)["candidates"]] == ["2", "4"]
+    assert [json.loads(line)["id"] for line in lines.splitlines()] == [2, 4]
+
+
 def test_so_are_cycles_of_which_later_ones_say_something(tmp_path: Path) -> None:
     (tmp_path / "run.spec").write_text(RUN, encoding="utf-8")
     (tmp_path / "run.jsonl").write_text(

@@ -2,8 +2,8 @@
 
 trackmarshal choose specs/rulebooks/supervisor.spec candidates.jsonl --rulebook supervisor
 
-Each line of the file is a candidate, a case as `eval` takes it; its `id` is its name. The exit status is 0 when the chosen one is safe,
-1 when it is not: the best that there is may still violate something. Where a line cannot be read, it is 2, and nothing is chosen.
+Each line of the file is a candidate, a case as `eval` takes it; its `id` is its name, else the number of its line. The exit
+status is 0 when the chosen one is safe, 1 when it is not: the best that there is may still violate something. Where a line cannot be read, it is 2, and nothing is chosen.
 """
 
 from __future__ import annotations
@@ -59,10 +59,10 @@ def run(args: argparse.Namespace) -> int:
     )
     refuse_over_run(evaluator.rules, f"{alone}: choose other rules with --rule")
     names, frames = [], []
-    for place, (identity, case) in enumerate(read_cases(args.cases, evaluator), start=1):
+    for identity, case in read_cases(args.cases, evaluator):
         if isinstance(case, TrackmarshalError):
             raise case
-        names.append(str(place if identity is None else identity))
+        names.append(str(identity))
         frames.append(case)
     _check_names(names, args.cases)
     results = list(evaluator.evaluate(frames))

@@ -205,9 +205,9 @@ def declared_within(spec: Spec, project: Path | None) -> frozenset[str]:
 
 
 def read_cases(path: str, evaluator: Evaluator) -> Iterator[tuple[object, Frame | TrackmarshalError]]:
-    """Every line's id and case, or what is wrong with the line."""
+    """Every line's id, or its number where it has none, and its case, or what is wrong with it."""
     for line_number, identity, case in _numbered(path, evaluator):
-        yield line_number if identity is None and isinstance(case, TrackmarshalError) else identity, case
+        yield line_number if identity is None else identity, case
 
 
 def _numbered(path: str, evaluator: Evaluator) -> Iterator[Numbered]:
