@@ -85,9 +85,16 @@ def gunzip(data: bytes, shown: str) -> bytes:
 
 
 def gzipped(data: bytes) -> bytes:
-    """A gzip stream that `gunzip` reads: where it packs better than that believes, as of a car that stands, zeros follow, which all readers pass over."""
+    """A gzip stream that `gunzip` reads: of what packs better than that believes, as a car that stands does, so much is stored as it is. Nothing follows
+    the stream, such as zeros, which not all readers pass over."""
     packed = gzip.compress(data, mtime=0)
-    return packed.ljust(-(-len(data) // MAX_RATIO), b"\0") if suspicious(len(packed), len(data)) else packed
+    if not suspicious(len(packed), len(data)):
+        return packed
+    plain = -(-len(data) // MAX_RATIO)
+    stored, rest = (zlib.compressobj(level, zlib.DEFLATED, -zlib.MAX_WBITS) for level in (0, 9))
+    first = stored.compress(data[:plain]) + stored.flush(zlib.Z_FULL_FLUSH)
+    # The head, and behind it the sum and the length of what is packed, stay.
+    return packed[:10] + first + rest.compress(data[plain:]) + rest.flush() + packed[-8:]
 
 
 def text(data: bytes, shown: str) -> str:
