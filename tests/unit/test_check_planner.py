@@ -445,15 +445,16 @@ def test_nothing_to_look_at_is_refused(spec: Spec, tmp_path: Path) -> None:
     assert (caught.value.code, caught.value.line) == ("D195", 2)
 
 
+@pytest.mark.parametrize("before", ["", "\ufeff", "\r\n \n"])
 def test_of_a_file_that_is_too_large_as_many_cycles_are_read_as_are_asked_for(
-    spec: Spec, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    before: str, spec: Spec, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What a planner writes in an hour was refused as a recording, although a hundred cycles of it were to be looked at."""
     path = tmp_path / "hour.jsonl"
     lines = [json.dumps({"format": "ours", **recorded()[1]}), *map(json.dumps, recorded()[0])]
-    path.write_text("\n\n".join(lines), encoding="utf-8")
+    path.write_bytes((before + "\n\n".join(lines)).encode())
     wanted = [str(one) for one in tm.check_planner(path, spec, most=9).findings]
-    monkeypatch.setattr(content, "MAX_BYTES", len("\n\n".join(lines[:10]).encode()) + 3)
+    monkeypatch.setattr(content, "MAX_BYTES", len((before + "\n\n".join(lines[:10])).encode()) + 3)
     report = tm.check_planner(path, spec, most=9)
     assert (len(report.cycles), [str(one) for one in report.findings]) == (9, wanted)
     with pytest.raises(tm.TrackmarshalError) as caught:

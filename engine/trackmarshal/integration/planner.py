@@ -173,6 +173,10 @@ def check_planner(
         return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws, header))
 
 
+#: What may stand before the first line: a byte order mark, as Windows writes it, and white space.
+_BLANK = b"\xef\xbb\xbf \t\r\n"
+
+
 def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
     """Cycles of a file as plain data, and the header where there is one."""
     from trackmarshal.json_text import BadJson, parse
@@ -188,7 +192,7 @@ def _load(path: Path, most: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:
         return rows, {"track": recording.track}
     if data.startswith(b"\x1f\x8b"):
         data = content.gunzip(data, str(path))
-    if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"[", b""):
+    if data.lstrip(_BLANK)[:1] not in (b"{", b"[", b""):
         raise TrackmarshalError(
             "D195",
             "this is no JSON",
@@ -233,7 +237,7 @@ def _beginning(path: Path, most: int) -> bytes:
     if not path.is_file() or path.stat().st_size <= left:
         return b""
     with open_regular(path) as stream:
-        if stream.read(1) != b"{":
+        if stream.read(4096).lstrip(_BLANK)[:1] != b"{":
             return b""
         stream.seek(0)
         while found <= most and left > 0 and (line := stream.readline(left)):
