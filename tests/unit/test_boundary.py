@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -180,15 +181,15 @@ def test_the_gate_asks_for_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "status", "said"),
+    ("asked", "status", "said", "lacking"),
     [
-        ("{boundary: 0}", 0, ""),
-        ("{boundary: 1}", 1, "slow  3      yes     yes      NO"),
-        ("{boundary: 0, violated: 2}", 1, "slow  3      yes     NO       n/a"),
+        ("{boundary: 0}", 0, "", []),
+        ("{boundary: 1}", 1, "slow  3      yes     yes      NO", ["boundary"]),
+        ("{boundary: 0, violated: 2}", 1, "slow  3      yes     NO       n/a", ["violated"]),
     ],
 )
 def test_as_many_tests_are_asked_for_as_the_project_says(
-    asked: str, status: int, said: str, tmp_path: Path
+    asked: str, status: int, said: str, lacking: list[str], tmp_path: Path
 ) -> None:
     """`test` asked for one each, so that it failed where the gate was content, and was content where that failed."""
     project(tmp_path, v="8", within="1000", more=f"  tests_per_rule: {asked}\n")
@@ -202,6 +203,8 @@ def test_as_many_tests_are_asked_for_as_the_project_says(
     )
     cases = command(tmp_path, "test", "--format", "junit")[1]
     assert cases.count("<failure") == status
+    (covered,) = json.loads(command(tmp_path, "test", "--format", "json")[1])["coverage"]
+    assert covered["lacking"] == lacking
 
 
 def test_another_distance_makes_results_anew(tmp_path: Path) -> None:

@@ -29,8 +29,8 @@ def as_json(
     return dump({
         "tests": [{"rule": o.test.rule.name, "title": o.test.title, "outcome": o.outcome, "message": o.message,
                    "file": called(o.test.span.file.path), "line": o.test.span.line} for o in outcomes],
-        "coverage": [{"rule": c.rule.name, "tests": c.tests, "satisfied": c.satisfied, "violated": c.violated, "boundary": c.boundary}
-                     for c in covered],
+        "coverage": [{"rule": c.rule.name, "tests": c.tests, "satisfied": c.satisfied, "violated": c.violated, "boundary": c.boundary,
+                      "lacking": [side for side, _ in c.lacking]} for c in covered],
         "findings": records(found, where),
     })  # fmt: skip
 
