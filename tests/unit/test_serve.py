@@ -16,10 +16,12 @@ import pytest
 from support.processes import PATIENCE, built
 from support.shared import REPOSITORY, SUPERVISOR
 from support.supervised import shipped
+from trackmarshal.backends.c.process import emit
 from trackmarshal.backends.c.process.emit import Emitted
 from trackmarshal.backends.c.process.table import SIZES
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.supervisor import CSupervisor
+from trackmarshal.cli import serve
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.copies import link
@@ -109,6 +111,12 @@ def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) ->
 def test_what_it_refuses(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["serve", str(SUPERVISOR), *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_there_is_room_for_as_many_ports_as_in_the_process() -> None:
+    """The number stands in both; of one more, the process would print its own usage."""
+    template = Path(emit.__file__).parent / "templates" / "process.c"
+    assert f"#define MOST_LISTENERS {serve.MOST_LISTENERS}u\n" in template.read_text("utf-8")
 
 
 def described(limits: Limits) -> dict[str, Any]:
