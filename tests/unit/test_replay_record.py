@@ -83,6 +83,19 @@ def test_a_record_may_be_larger_than_a_recording(
     assert "help: begin a new record" in err
 
 
+def test_nothing_is_given_to_a_record_where_it_is_explained_either(
+    record: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`replay` refuses it: of what the Supervisor had not, numbers would be explained that the run did not rest on."""
+    asked = ["explain", str(record), "--rule", "friction", "--at", "0", "--project", str(ROOT)]
+    given = ["--given", "objects.age=0.1", "--because", "wet"]
+    assert main(asked) == 0
+    for more in (given, given[2:]):
+        assert main([*asked, *more]) == 2
+        err = capsys.readouterr().err
+        assert "error[E437]: a record of a run has the inputs of that run" in err, err
+
+
 def test_one_record_makes_one_file_for_foxglove(
     record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

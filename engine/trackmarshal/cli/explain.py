@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.giving import choose_given, with_given
+from trackmarshal.cli.giving import choose_given, refuse_given, with_given
 from trackmarshal.cli.options import configure_with
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project
@@ -78,11 +78,14 @@ def _code(code: str) -> int:
 
 def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.backends.over_run.program import remembers
+    from trackmarshal.cli.record import is_record
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.overrides import known_tables
     from trackmarshal.units import in_full, moment
 
+    if is_record(args.what):
+        refuse_given(args, args.what)
     spec_path, *more = map(Path, args.spec) if args.spec else [default_spec(find_project(args))]
     settings = [Path(p) for p in args.settings]
     recording = overruled(load(args.what), spec_path, settings, more)

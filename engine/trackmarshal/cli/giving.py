@@ -29,6 +29,17 @@ def choose_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--because", metavar="TEXT", default="", help="the reason for what is given")
 
 
+def refuse_given(args: argparse.Namespace, record: str) -> None:
+    """Raise E437 where something is given to the record of a run, which has what its Supervisor had."""
+    if args.given or args.because:
+        raise TrackmarshalError(
+            "E437",
+            "a record of a run has the inputs of that run",
+            file=record,
+            help="leave out `--given` and `--because`",
+        )
+
+
 def with_given(recording: Recording, given: list[str], because: str) -> Recording:
     """The recording with what it lacks; raises E437."""
     from trackmarshal.scenarios import inputs

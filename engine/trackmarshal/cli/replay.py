@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.cli.giving import choose_given, with_given
+from trackmarshal.cli.giving import choose_given, refuse_given, with_given
 from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
@@ -173,13 +173,7 @@ def _all(args: argparse.Namespace) -> int:
 
 def _alone(args: argparse.Namespace, path: str) -> None:
     """Refuse `--from` beside what needs every cycle, and inputs and rules beside a record, which has those of its run; raises E436 and E437."""
-    if args.given or args.because:
-        raise TrackmarshalError(
-            "E437",
-            "a record of a run has the inputs of that run",
-            file=path,
-            help="leave out `--given` and `--because`",
-        )
+    refuse_given(args, path)
     if args.rule and not args.out and args.rulebook is None:
         raise TrackmarshalError(
             "E437", "a record of a run has the rules of that run", file=path, help="leave out `--rule`; with `--out`, its cycles are run as a recording"
