@@ -76,6 +76,10 @@ def test_a_record_may_be_larger_than_a_recording(
     """At 50 cycles a second and 30 samples, that of seven minutes was refused, and the help was to split it, which nobody can."""
     monkeypatch.setattr(content, "MAX_BYTES", 1000)
     assert replay(capsys, str(record))[0] == 0
+    assert main(["explain", str(record), "--rule", "friction", "--at", "0", "--project", str(ROOT)]) == 2
+    err = capsys.readouterr().err  # there, its cycles count as a recording
+    assert "bytes, the limit is 1000\n" in err
+    assert "help: begin a new record" in err
     monkeypatch.setattr(content, "MAX_RECORD", 1000)
     status, _, err = replay(capsys, str(record))
     assert status == 2

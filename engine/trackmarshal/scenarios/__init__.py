@@ -28,8 +28,8 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
         raise wrong_type("`shown` is a text", shown)
     path = Path(path)
     shown = shown or str(path)
-    data = content.read(path, shown)
     suffix = path.suffix.lower()
+    data = content.read(path, shown, help_=content.ANEW if suffix == ".arrows" else "")
     if data.startswith(POINTERS):
         message = (
             f"`{path.name}` was not fetched: it is the pointer that Git LFS or git-annex leaves in its place"

@@ -14,6 +14,8 @@ from trackmarshal.files import fetching, read_regular
 MAX_BYTES = 200_000_000
 #: Largest record of a run that is run again: at 50 cycles a second, less than it has is a drive of minutes, and nobody can split it.
 MAX_RECORD = 1_000_000_000
+#: What to do about a record that is too large.
+ANEW = "begin a new record now and then, with a new Supervisor"
 #: Text of numbers packs to a half or a third of its size; a hundredth is something else.
 MAX_RATIO = 100
 #: Below this, the ratio is not looked at: short files of equal lines pack well.
@@ -22,7 +24,7 @@ SMALL = 1_000_000
 
 def read_record(path: str) -> bytes:
     """All bytes of the record of a run; raises D120 or D124."""
-    return read(Path(path), path, MAX_RECORD, "begin a new record now and then, with a new Supervisor")
+    return read(Path(path), path, MAX_RECORD, ANEW)
 
 
 def read(path: Path, shown: str, most: int | None = None, help_: str = "") -> bytes:
