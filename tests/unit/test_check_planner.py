@@ -230,6 +230,36 @@ def test_the_adapter_goes_by_keys_whatever_is_in_them(spec: Spec) -> None:
     same(scope["cycle_of"](0, flat[0], track), 0, but=("s", "a", "v"))
 
 
+@pytest.mark.parametrize("first", [None, {}, {"note": "none yet"}])
+def test_the_adapter_takes_trajectories_as_the_cycles_that_have_some_have_them(
+    spec: Spec, first: Any
+) -> None:
+    """The first cycle has none: a list of points was then taken for columns, and the adapter raised."""
+    raws = disguised(FOREIGN, "records")
+    raws[0]["trajs"] = first
+    report = tm.check_planner(raws, spec, header=recorded()[1], emergency="trajs.fallback")
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    same(scope["cycle_of"](1, raws[1], scope["borders"](recorded()[1])), 1, but=("s", "a", "v"))
+
+
+@pytest.mark.parametrize("shape", ["columns", "records"])
+def test_the_adapter_goes_by_columns_that_are_numbered(spec: Spec, shape: str) -> None:
+    """By whole numbers that are no texts, as a table without names has them."""
+    raws = disguised(FOREIGN, shape)
+    for raw in raws:
+        for name, plan in raw["trajs"].items():
+            tables = plan if isinstance(plan, list) else [plan]
+            numbered = [dict(enumerate(table.values())) for table in tables]
+            raw["trajs"][name] = numbered if isinstance(plan, list) else numbered[0]
+    report = tm.check_planner(raws, spec, header=recorded()[1], emergency="trajs.fallback")
+    scope: dict[str, Any] = {}
+    exec(compile(report.adapter, "adapter.py", "exec"), scope)
+    cycle = scope["cycle_of"](1, raws[1], scope["borders"](recorded()[1]))
+    for name, values in report.cycles[1].driving.items():
+        np.testing.assert_allclose(cycle.driving[name], values, atol=1e-9)
+
+
 def test_the_planner_as_it_is_recorded(spec: Spec) -> None:
     """In the contract's own terms nothing has to be converted, and s stands for s although t grows with it too."""
     report = tm.check_planner(recorded()[0], spec, header=recorded()[1])

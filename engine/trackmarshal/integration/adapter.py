@@ -80,7 +80,7 @@ def adapter(made: Mapped, raws: list[Any], header: Any = None) -> str:
 
 
 def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
-    shape = _shape(made, raws)
+    shape, keys = _shape(made, raws)
     lines = [
         f"def trajectory(plan{', stamp' if made.absolute else ''}):",
         '    """Columns as the contract has them."""',
@@ -91,7 +91,7 @@ def _trajectory(made: Mapped, raws: list[Any]) -> list[str]:
         lines.append("    plan = {str(i): list(column) for i, column in enumerate(zip(*plan))}")
     lines.append("    columns = {")
     for name, column in made.plan.items():
-        source = f"plan[{column.column!r}]"
+        source = f"plan[{keys.get(column.column, column.column)!r}]"
         if name == "t" and made.absolute:
             lines.append(
                 f'        "t": [{column.code("z")} - stamp for z in {source}],  # {column.words}, from the stamp on'
@@ -127,17 +127,21 @@ def _set(made: Mapped, raws: list[Any], path: str, fields: Mapping[str, Column])
     return f"[{_record(fields, 'one')} for one in {source}]"
 
 
-def _shape(made: Mapped, raws: list[Any]) -> str:
+def _shape(made: Mapped, raws: list[Any]) -> tuple[str, Mapping[str, Any]]:
+    """How the driving trajectory is written down, and its keys by the names of its columns, in the first cycle that has one."""
     for raw in raws:
-        value = raw
-        for key in _keys(raw, made.driving or "") or ():
+        value, keys = raw, _keys(raw, made.driving or "")
+        for key in keys or ():
             value = value[key]
-        if isinstance(value, Mapping):
-            return "columns" if value else ""
         listed = value.tolist() if hasattr(value, "tolist") else value
-        if isinstance(listed, list) and listed:
-            return "records" if isinstance(listed[0], Mapping) else "rows"
-    return "columns"
+        if keys is None or not listed:
+            continue
+        if isinstance(listed, Mapping):
+            return "columns", {str(key): key for key in listed}
+        if isinstance(listed, list):
+            named = isinstance(listed[0], Mapping)
+            return ("records", {str(key): key for key in listed[0]}) if named else ("rows", {})
+    return "columns", {}
 
 
 def _keys(value: Any, path: str) -> list[Any] | None:
