@@ -128,15 +128,10 @@ class RemoteStepper:
         return self._asked(self.client.send(number, t, driving, emergency, signals, found), found)
 
     def none_came(self, now: float, found: Sequence[Found] = ()) -> Said:
-        """A cycle was due and did not come, or what came is none; after a step without an answer, that nothing is known."""
+        """A cycle was due and did not come, or what came is none; after a step without an answer, that nothing is known. Raises NoAnswer."""
         if self._silent:
-            self._silent = False
-            return self._nothing()
-        try:
-            return self._asked(self.client.send(None, None, None, None, {}, found, came=False), found)
-        except Exception:  # nobody answers, or this client can send nothing, as in a fork
-            self._silent = False
-            return self._nothing()
+            return self.nothing()
+        return self._asked(self.client.send(None, None, None, None, {}, found, came=False), found)
 
     def reasons(self, said: Said) -> list[Reason]:
         """Why the cycle of the last step is not safe."""
@@ -194,8 +189,9 @@ class RemoteStepper:
         self._serial += 1
         return said._replace(serial=self._serial)
 
-    def _nothing(self) -> Said:
-        nan, self._serial = math.nan, 0
+    def nothing(self) -> Said:
+        """Of a step that nobody answers, or that this client cannot ask for, as in a fork."""
+        nan, self._serial, self._silent = math.nan, 0, False
         state = STATES.index(NO_SAFE_TRAJECTORY)
         return Said(0, state, 0, 0, -1, 0, nan, 0, 0, nan, 0, nan, nan, nan, 0, 0, 0, 0)
 

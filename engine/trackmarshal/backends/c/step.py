@@ -119,6 +119,8 @@ class Stepping(Protocol):
 
     def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
 
+    def nothing(self) -> Said: ...
+
     def reasons(self, said: Said) -> list[Reason]: ...
 
     @property
@@ -401,6 +403,10 @@ class Stepper:
         self._in[:] = self._head.pack(*given).ljust(self.width, b"\0")
         self._rest = None
         self._run()
+        return self.last()
+
+    def nothing(self) -> Said:
+        """Of a step that cannot be taken: what was said before it, which is not of this one."""
         return self.last()
 
     @property
