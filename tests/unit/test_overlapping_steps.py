@@ -323,6 +323,36 @@ def test_who_was_stopped_before_a_cycle_was_decided_goes_on_from_the_one_before(
     assert stepped(one, clock, 5).safe
 
 
+def test_what_is_stored_is_driven_from_behind_steps_that_were_stopped_one_after_the_other(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by an alarm that rings in every cycle: the first of them was decided, and the others were not."""
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+
+    def stop(*given: Any) -> None:
+        raise KeyboardInterrupt
+
+    def decide(*given: Any) -> None:
+        decided(*given)
+        raise KeyboardInterrupt
+
+    in_python = isinstance(one, Supervisor)
+    owner, name = (one.program, "commit") if isinstance(one, Supervisor) else (one.stepper, "step")
+    decided = getattr(owner, name)
+    for number, at, does in ((3, name, decide), (4, "judge" if in_python else name, stop)):
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, at, does)
+            with pytest.raises(KeyboardInterrupt):
+                stepped(one, clock, number)
+    decision = one.step(None)
+    assert (decision.state, decision.fallback) == ("previous_emergency", decision.driven)
+    assert decision.driven is not None
+    assert decision.driven.number == 3
+
+
 def test_what_was_stored_by_a_step_that_was_stopped_is_driven_from(
     backend: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

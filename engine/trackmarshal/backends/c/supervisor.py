@@ -139,10 +139,10 @@ class CSupervisor(OfOneRun):
         self._advisory = advisory(self.rules)
         self._clock = clock
         self._explaining = Explaining(spec, self.rules)
-        #: The cycle that C was asked about last by Python; and of a step that was stopped what C has stored, if it had decided by then: nobody
-        #: has seen whether it had.
+        #: The cycle that C was asked about last by Python; and what was stored when steps were stopped, with what C has stored of them, if it had
+        #: decided by then: nobody has seen whether it had.
         self._asked: tuple[Stamp, Frame | None] = (Stamp(None, None, ()), None)
-        self._unseen: Plan | None = None
+        self._unseen: tuple[Plan | None, tuple[Plan, ...]] = (None, ())
         #: What takes most steps; None where that cannot be had.
         self._quick = self._quickest()
 
@@ -161,7 +161,8 @@ class CSupervisor(OfOneRun):
             if isinstance(left.made, Frame):
                 stamp, frame = Stamp(left.number, left.t, ()), left.made
             if frame is not None and stamp.number is not None and stamp.t is not None:
-                self._unseen = Plan(EMERGENCY, stamp.number, stamp.t, frame)
+                earlier = self._unseen[1] if self._unseen[0] is quick.stored else ()
+                self._unseen = quick.stored, (*earlier, Plan(EMERGENCY, stamp.number, stamp.t, frame))
             if self._over_run and quick.steps > before:
                 self._gap()
             raise
@@ -346,8 +347,9 @@ class CSupervisor(OfOneRun):
         elif not said.stored:
             self._quick.stored = None
         else:
-            if not self._agrees(said) and self._is_stored(self._unseen, said):
-                self._quick.stored = self._unseen
+            if not self._agrees(said):
+                unseen = (one for one in self._unseen[1] if self._is_stored(one, said))
+                self._quick.stored = next(unseen, self._quick.stored)
             if said.driven == _STORED:
                 driven = self._quick.stored
         driven_too = (driven is not None) == (said.driven != _NOTHING)
@@ -360,7 +362,7 @@ class CSupervisor(OfOneRun):
 
     def _nothing(self, said: Said, stamp: Stamp, *faults: Fault) -> Decision:
         """C did not decide this cycle, or of another trajectory than is known here: nothing is driven."""
-        self._quick.stored = self._unseen = None
+        self._quick.stored, self._unseen = None, (None, ())
         self._quick.steps = said.serial
         t = math.nan if stamp.t is None else stamp.t
         return Decision(
@@ -374,10 +376,9 @@ class CSupervisor(OfOneRun):
         return not said.stored if stored is None else self._is_stored(stored, said)
 
     @staticmethod
-    def _is_stored(plan: Plan | None, said: Said) -> bool:
+    def _is_stored(plan: Plan, said: Said) -> bool:
         """Whether a trajectory is the one that C has stored."""
-        known = plan is not None and (plan.number, plan.t) == (said.stored_number, said.stored_t)
-        return bool(said.stored) and known
+        return bool(said.stored) and (plan.number, plan.t) == (said.stored_number, said.stored_t)
 
     def _judged(self, frame: Frame) -> Judged:
         stepper = self.stepper
