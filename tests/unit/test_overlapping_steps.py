@@ -353,6 +353,75 @@ def test_what_is_stored_is_driven_from_behind_steps_that_were_stopped_one_after_
     assert decision.driven.number == 3
 
 
+def test_a_cycle_that_did_not_come_is_missing_once_where_its_step_was_stopped(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rules over the run had been told of it: it was missing twice to a Supervisor in C."""
+    spec = tm.loads(
+        "module small\n"
+        "signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        "signal ego : state { x: m, y: m, heading: rad, v: m/s }\n"
+        'rule seldom "In ten seconds, the car is faster than 2 m/s twice"\n'
+        "  require count(ego.v > 2 m/s, last: 10 s) <= 2\n"
+    )
+    clock = Clock()
+    one = quickly_or_not(
+        supervisor(spec, backend="c" if backend == "slowly" else backend, clock=clock, limits={"longest_gap": 1.0}), backend
+    )  # fmt: skip
+    stands = {"t": [0.0, 9.0], **{name: [0.0, 0.0] for name in ("x", "y", "heading", "v")}}
+    slow = {"ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 0.0}}
+
+    def step(number: int) -> Decision:
+        clock.now = PERIOD * number
+        return one.step(Cycle(number, clock.now, stands, stands, slow))
+
+    assert [step(number).safe for number in range(3)] == [True] * 3
+    owner, name = (one.program, "missed") if isinstance(one, Supervisor) else (one.stepper, "none_came")
+    told, seen = getattr(owner, name), iter([True])
+
+    def stop(*given: Any) -> Any:
+        said = told(*given)
+        if next(seen, False):
+            raise KeyboardInterrupt
+        return said
+
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, name, stop)
+        with pytest.raises(KeyboardInterrupt):
+            one.step(None)
+    assert [fault.code for fault in step(4).faults] == [FAULTS["skipped"]]
+    assert step(5).safe
+
+
+def test_who_was_stopped_while_another_thread_takes_a_step_changes_nothing(backend: str) -> None:
+    """What rules over the run are told after a step that was stopped is told when no other step is taken."""
+    if backend == "reference":
+        pytest.skip("a step that was refused is told nothing")
+    clock = Clock()
+    one = made(backend, clock)
+    assert isinstance(one, CSupervisor)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+    inside, over = threading.Event(), threading.Event()
+    decisions: list[Decision] = []
+
+    def wait() -> None:
+        inside.set()
+        assert over.wait(30)
+
+    clock.asks = wait
+    other = threading.Thread(target=lambda: decisions.append(stepped(one, clock, 3)))
+    other.start()
+    assert inside.wait(30)
+    try:
+        one._gap()
+    finally:
+        over.set()
+        other.join()
+    assert [(decision.state, decision.number) for decision in decisions] == [("drive", 3)]
+    assert stepped(one, clock, 4).safe
+
+
 def test_what_was_stored_by_a_step_that_was_stopped_is_driven_from(
     backend: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -224,12 +224,19 @@ class CSupervisor(OfOneRun):
 
     def _gap(self) -> None:
         """Of the cycle of a step that was stopped behind its reading nobody has been told what was decided: that one did not come is what rules over the
-        run are told after it."""
-        if isinstance(self.stepper, Stepper):
-            said = self.stepper.last()
-            self._quick.disarm()
-            self.stepper.none_came(said.finished if said.finished >= said.now else said.now)
-            self._quick.steps = self.stepper.taken
+        run are told after it. Of one that was not judged they have been told so."""
+        stepper, quick = self.stepper, self._quick
+        quick.disarm()
+        if not isinstance(stepper, Stepper) or quick.step(None) is not None:  # another thread takes a step
+            return
+        try:
+            quick.left()
+            said = stepper.last()
+            if said.judged:
+                stepper.none_came(said.finished if said.finished >= said.now else said.now)
+                quick.steps = stepper.taken
+        finally:
+            quick.release()
 
     def _read(self) -> float:
         try:
