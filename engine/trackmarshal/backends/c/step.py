@@ -223,6 +223,9 @@ class Stepper:
             self.verdicts.ctypes.data, self._calling.user,
         )  # fmt: skip
         self._run = self._calling.step
+        at, _ = self.lasting[LASTING.index("serial")]
+        #: How many steps were taken, where C counts them.
+        self.serial = memoryview(self._memory).cast("B")[self._place + at :][:8].cast("Q")
         dll.tmg_init(self.context)
         self._configure(limits, params or {}, tables or {})
 
@@ -412,8 +415,7 @@ class Stepper:
     @property
     def taken(self) -> int:
         """How many steps the context has taken: the serial of the last one."""
-        at, _ = self.lasting[LASTING.index("serial")]
-        return ctypes.c_uint64.from_address(self.context + at).value
+        return self.serial[0]
 
     @staticmethod
     def lost(said: Said) -> str:

@@ -111,7 +111,6 @@ class CSupervisor(OfOneRun):
         self.limits = Limits.of(spec) if limits is None else limits
         self.spec = spec
         self.contract = of_cycles(spec, rules)
-        self._over_run = self.contract.over_run
         source = generated(spec, rules, doored=True)
         self.rules = source.plan.rules
         self.stepper: Stepping = (
@@ -119,6 +118,10 @@ class CSupervisor(OfOneRun):
             if stepping is None
             else stepping(source)
         )
+        #: How many steps C has taken, where rules over the run have to be told of one that was stopped.
+        self._counted: Sequence[int] = (0,)
+        if self.contract.over_run and isinstance(self.stepper, Stepper):
+            self._counted = self.stepper.serial
         self._recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
@@ -149,7 +152,7 @@ class CSupervisor(OfOneRun):
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
         quick = self._quick
-        before = quick.steps if self._over_run else 0
+        before = self._counted[0]
         try:
             decision = quick.step(cycle)
             if decision is None:
@@ -163,7 +166,7 @@ class CSupervisor(OfOneRun):
             if frame is not None and stamp.number is not None and stamp.t is not None:
                 earlier = self._unseen[1] if self._unseen[0] is quick.stored else ()
                 self._unseen = quick.stored, (*earlier, Plan(EMERGENCY, stamp.number, stamp.t, frame))
-            if self._over_run and quick.steps > before:
+            if self._counted[0] > before:
                 self._gap()
             raise
         return decision or overlapping()
