@@ -230,7 +230,10 @@ def test_the_adapter_goes_by_keys_whatever_is_in_them(spec: Spec) -> None:
     same(scope["cycle_of"](0, flat[0], track), 0, but=("s", "a", "v"))
 
 
-@pytest.mark.parametrize("first", [None, {}, {"note": "none yet"}])
+@pytest.mark.parametrize(
+    "first",
+    [None, {}, {"note": "none yet"}, {"nominal": [], "fallback": []}, {"nominal": {"note": "none yet"}}],
+)
 def test_the_adapter_takes_trajectories_as_the_cycles_that_have_some_have_them(
     spec: Spec, first: Any
 ) -> None:
@@ -251,7 +254,7 @@ def test_the_adapter_goes_by_columns_that_are_numbered(spec: Spec, shape: str) -
         for name, plan in raw["trajs"].items():
             tables = plan if isinstance(plan, list) else [plan]
             numbered = [dict(enumerate(table.values())) for table in tables]
-            raw["trajs"][name] = numbered if isinstance(plan, list) else numbered[0]
+            raw["trajs"][name] = tuple(numbered) if isinstance(plan, list) else numbered[0]
     report = tm.check_planner(raws, spec, header=recorded()[1], emergency="trajs.fallback")
     scope: dict[str, Any] = {}
     exec(compile(report.adapter, "adapter.py", "exec"), scope)

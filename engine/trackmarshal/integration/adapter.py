@@ -129,18 +129,19 @@ def _set(made: Mapped, raws: list[Any], path: str, fields: Mapping[str, Column])
 
 def _shape(made: Mapped, raws: list[Any]) -> tuple[str, Mapping[str, Any]]:
     """How the driving trajectory is written down, and its keys by the names of its columns, in the first cycle that has one."""
+    columns = {column.column for column in made.plan.values()}
     for raw in raws:
         value, keys = raw, _keys(raw, made.driving or "")
         for key in keys or ():
             value = value[key]
         listed = value.tolist() if hasattr(value, "tolist") else value
-        if keys is None or not listed:
-            continue
-        if isinstance(listed, Mapping):
-            return "columns", {str(key): key for key in listed}
-        if isinstance(listed, list):
-            named = isinstance(listed[0], Mapping)
-            return ("records", {str(key): key for key in listed[0]}) if named else ("rows", {})
+        first = listed[0] if isinstance(listed, list | tuple) and listed else listed
+        if isinstance(first, Mapping):
+            named = {str(key): key for key in first}
+            if keys is not None and columns <= named.keys():
+                return "columns" if first is listed else "records", named
+        elif first is not listed:
+            return "rows", {}
     return "columns", {}
 
 
