@@ -1,7 +1,7 @@
 """A run's record as an MCAP file, so that Foxglove shows it: decisions and cycles as JSON, and the scene in its own terms.
 
-Topics: `/decision` and `/cycle` (everything that the record has, as it has it), `/scene` (foxglove.SceneUpdate: what is driven; borders, both candidates,
-the car and the objects, of what passed the door: in SI units, whatever the record keeps). Needs the package `mcap`, which is imported when this is called.
+Topics: `/decision` (everything that the record has, as it has it), `/cycle` (the same, of what passes the door when it is run again), `/scene`
+(foxglove.SceneUpdate: what is driven; borders, both candidates, the car and the objects, of what passes it: in SI units, whatever the record keeps). Needs the package `mcap`, which is imported when this is called.
 """
 
 from __future__ import annotations
