@@ -163,6 +163,32 @@ def test_who_was_stopped_in_a_step_takes_the_next_one(backend: str) -> None:
     assert [fault.code for fault in one.step(None).faults] == [FAULTS["missing_cycle"]]
 
 
+def test_who_was_stopped_where_a_step_begins_takes_the_next_one(
+    backend: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by a signal that is seen as soon as it is noted that a step is taken: every step behind it was refused, as one that overlaps with it."""
+    clock = Clock()
+    one = made(backend, clock)
+    for number in range(3):
+        assert stepped(one, clock, number).safe
+    owner: Any = one if isinstance(one, Supervisor) else one._quick
+    if not hasattr(owner, "_looked_at"):
+        pytest.skip("C notes it, and sees no signals")
+
+    class Stopped:
+        def __enter__(self) -> None:
+            pass
+
+        def __exit__(self, *raised: object) -> None:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(owner, "_looked_at", Stopped())
+        with pytest.raises(KeyboardInterrupt):
+            stepped(one, clock, 3)
+    assert stepped(one, clock, 3).safe
+
+
 def test_who_was_stopped_while_a_cycle_was_read_keeps_what_is_stored(backend: str) -> None:
     clock = Clock()
     one = made(backend, clock)

@@ -153,8 +153,8 @@ class Supervisor(OfOneRun):
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._clock = clock
-        #: Held while a step is taken.
-        self._taken = threading.Lock()
+        #: Whether a step is being taken, and what is held while somebody looks.
+        self._taken, self._looked_at = False, threading.Lock()
         self._last = -math.inf
         self._steps = 0
         #: Number and step of the cycle that rules remember last, None before the first, and how many cycles since then were missing by
@@ -165,9 +165,14 @@ class Supervisor(OfOneRun):
 
     def step(self, cycle: Cycle | None) -> Decision:
         """What is driven; None says that a cycle was due and did not come. Never raises an Exception."""
-        if not self._taken.acquire(blocking=False):
-            return overlapping()
+        own = False
         try:
+            # Nothing is called between what is noted here, and behind `finally`: a signal is seen where something is.
+            with self._looked_at:
+                if not self._taken:
+                    self._taken = own = True
+            if not own:
+                return overlapping()
             steps, last = self._steps, self.door.last
             try:
                 opened = self.open(cycle)
@@ -184,7 +189,8 @@ class Supervisor(OfOneRun):
                     self.memory = self._gap(_Closing())
                 raise
         finally:
-            self._taken.release()
+            if own:
+                self._taken = False
 
     def go_on(self, opened: Opened) -> Decision:
         """The rest of a step, after its door. Never raises an Exception."""

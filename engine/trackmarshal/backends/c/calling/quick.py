@@ -85,21 +85,23 @@ class Slowly:
     recorded: bool = False
 
     def __init__(self) -> None:
-        self._taken, self._taker = threading.Lock(), 0
+        self._looked_at, self._taker = threading.Lock(), 0
 
     def step(self, cycle: Cycle | None) -> Decision | Literal[False] | None:
         """The Decision of a cycle; None where Python has to go on, with what is `left`, and to `release` in the end; False where a step is being
         taken."""
-        if not self._taken.acquire(blocking=False):
-            return False
-        self._taker = threading.get_ident()
+        own = threading.get_ident()
+        with self._looked_at:
+            # A signal that is seen behind this finds who takes the step, and is to release it.
+            if self._taker:
+                return False
+            self._taker = own
         return None
 
     def release(self) -> None:
         """The step that this thread was taking is over."""
         if self._taker == threading.get_ident():
             self._taker = 0
-            self._taken.release()
 
     def stopped(self, taken: int) -> Left:
         """The step that this thread was taking has ended before its time; C has taken so many by now. What it has left, which is not for the next one."""
