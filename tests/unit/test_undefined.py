@@ -75,6 +75,40 @@ def test_a_variable_in_a_guard_is_not_the_sample_at_which_the_rule_is_asked(
     assert (found.verdict, found.reason) == ("undefined", reason)
 
 
+RANGES = """
+module ranges
+signal plan : trajectory { t: s increasing, v: m/s }
+signal objects : set of object { v: m/s, near: bool }
+rule least "Of those in range"
+  for all p in plan
+  require p.v <= min(o.v for o in objects where o.near else 0 m/s)
+rule some "Also of a condition"
+  require (if exists o in objects where o.near: o.v > 9 m/s then 1 m/s else 2 m/s) >= plan.last.v
+rule nested "And of many of each"
+  require min(max(p.v + o.v for p in plan where p.v > 1 m/s else 0 m/s) for o in objects where o.near else 0 m/s) <= 0 m/s
+"""
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("rule", ["least", "some", "nested"])
+@pytest.mark.parametrize(
+    ("given", "reason"),
+    [
+        ([(None, False), (3.0, True), (None, True)], "objects[2].v is missing, or no number"),
+        ([(None, False), (99.0, None)], "objects[1].near is missing, or no number"),
+    ],
+)
+def test_the_input_of_who_is_surely_out_of_range_leaves_nothing_undefined(
+    rule: str, given: list[tuple[float | None, bool | None]], reason: str, backend: str
+) -> None:
+    signals = {
+        "plan": {"t": [0.0, 1.0], "v": [1.0, 2.0]},
+        "objects": [{"v": v, "near": near} for v, near in given],
+    }
+    found = Evaluator(tm.loads(RANGES), [rule], backend).case({"signals": signals}).rules[rule]
+    assert (found.verdict, found.reason) == ("undefined", reason)
+
+
 ROUND = """
 module round
 signal track : corridor { left: polyline, right: polyline }

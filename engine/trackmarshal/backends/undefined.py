@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import unbound
+from trackmarshal.ir.overrun import sets, unbound
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.frame import Frame
 
@@ -27,12 +27,14 @@ _NUMBERS = (
 
 def why(node: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
     """In words, what is undefined in a formula that is, for these values of its variables."""
-    parts = unbound(node)
+    from trackmarshal.backends.reference.evaluator import Reference
+
+    parts, values = unbound(node), Reference(spec, frame)
     return (
         _inputs(parts, env, frame)
-        or _of_many(parts, env, frame)
+        or _of_many(parts, env, values)
         or _lines(parts, frame)
-        or _operation(node, env, spec, frame)
+        or _operation(node, env, values)
     )
 
 
@@ -44,18 +46,26 @@ def in_gap(signal: str, index: int, frame: Frame) -> str:
     return f"{signal}[{columns.name(index)}]: {cycles} missing there, and nothing is known of them"
 
 
-def _of_many(parts: Iterable[ir.AnyNode], env: Env, frame: Frame) -> str:
+def _of_many(parts: Iterable[ir.AnyNode], env: Env, values: Reference) -> str:
     """The inputs without a value of the first sample or element of many of which a number, or a condition that it hangs on, speaks."""
     for many in (part for part in parts if isinstance(part, ir.Quantify | ir.Fold)):
         below = [part for each in (many.guard, many.body) if each is not None for part in unbound(each)]
-        for index in range(frame.columns[many.axis.signal].count - many.axis.width + 1):
-            found = _inputs(below, {**env, many.axis.level: index}, frame)
+        for index in range(values.frame.columns[many.axis.signal].count - many.axis.width + 1):
+            inside = {**env, many.axis.level: index}
+            found = "" if _out_of_range(many, inside, values) else _inputs(below, inside, values.frame)
             if found:
                 return found
-        found = _of_many(below, _without(env, many.axis), frame)
+        found = _of_many(below, _without(env, many.axis), values)
         if found:
             return found
     return ""
+
+
+def _out_of_range(many: ir.Quantify | ir.Fold, env: Env, values: Reference) -> bool:
+    """Whether one of many is surely not asked about; not where that hangs on a variable that stands for no one value."""
+    if many.guard is None or any(axis.level not in env for axis in sets(many.guard)):
+        return False
+    return not values.truth(many.guard, env).best.sat
 
 
 def _without(env: Env, axis: ir.Axis) -> Env:
@@ -145,12 +155,9 @@ def _listed(found: list[str]) -> str:
     return ", ".join(found[:MOST]) + more
 
 
-def _operation(root: ir.Formula, env: Env, spec: Spec, frame: Frame) -> str:
+def _operation(root: ir.Formula, env: Env, values: Reference) -> str:
     """The innermost expressions that have no finite value although all of their parts do."""
-    from trackmarshal.backends.reference.evaluator import Reference
-
-    values = Reference(spec, frame)
-    found: dict[str, None] = {}
+    frame, found = values.frame, dict[str, None]()
     for part in unbound(root):
         if not isinstance(part, _NUMBERS) or isinstance(part, ir.Choose):
             continue
