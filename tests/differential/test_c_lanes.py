@@ -172,6 +172,24 @@ def test_of_columns_that_differ_in_length_the_shortest_counts() -> None:
     assert {name_of(fault) for fault in decision.faults} == {"wrong_length"}
 
 
+def test_a_program_whose_rules_ask_for_no_place(tmp_path: Path) -> None:
+    """The door looks at the borders of lanes all the same: what it prepares them in was not declared."""
+    text = TEXT[: TEXT.index("rule limits")]
+    spec = loads(text + 'rule slow "x"\n  for all l in lanes\n  require ego.v <= l.limit\n')
+    crossing, rng = [[-9.0, -2.5], [60.0, 3.5]], random.Random(0)
+    good = {**road(rng, 0.0, 2), "limit": 90.0, "id": "a"}
+    plan, ego = candidate(rng, True), {"x": 0.0, "y": 0.0, "heading": 0.0, "v": 10.0}
+    pair = Pair(Evaluator(spec), limits=LIMITS)
+    for number, left in enumerate((good["left"], crossing)):
+        given = Cycle(number, 0.1 * number, plan, plan, {"ego": ego, "lanes": [{**good, "left": left}]})
+        decision = pair.step(given, 0.1 * number, 0.1 * number)
+        assert [name_of(fault) for fault in decision.faults] == ["bad_border"] * number
+    made = generate(spec, list(spec.rules), doored=True)
+    (tmp_path / "supervisor.h").write_text(made.header)
+    (tmp_path / "supervisor.c").write_text(made.source)
+    subprocess.run(["cc", *STRICT, "-fsyntax-only", "supervisor.c"], cwd=tmp_path, check=True)
+
+
 def test_two_in_two_threads_have_lanes_of_their_own() -> None:
     """Python is let go on while a step is taken: where both kept the borders of their lanes at one place, each was judged in those of the other."""
     text = TEXT[: TEXT.index("rule limits")]

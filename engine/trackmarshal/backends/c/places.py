@@ -21,6 +21,8 @@ _UNSUPPORTED = 4
 
 
 def has_geometry(plan: Layout) -> bool:
+    if plan.shapes:  # of lanes also where no rule asks for them: the door does
+        return True
     formulas = [root for rule in plan.rules for root in (rule.formula, rule.active) if root is not None]
     return any(
         isinstance(node, ir.Geometry | ir.Along | ir.OnLane) for root in formulas for node in ir.below(root)
