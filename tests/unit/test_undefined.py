@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -205,11 +206,14 @@ rule counted "Of how often it was so"
 rule everybody "Of many"
   along driven as c
   require historically[0 s, 2 s] (for all o in objects: o.v > c.v)
+rule before "Of the one before it"
+  along driven as c
+  require historically[0 s, 2 s] (weak previous (c.v > 0 m/s))
 """
 
 
 @pytest.mark.parametrize("backend", ["reference", "numpy"])
-@pytest.mark.parametrize("rule", ["own", "now", "counted", "everybody"])
+@pytest.mark.parametrize("rule", ["own", "now", "counted", "everybody", "before"])
 def test_missing_cycles_are_no_missing_input(rule: str, backend: str) -> None:
     evaluator = Evaluator(tm.loads(GAPS), [rule], backend)
     run = evaluator.over_run()
@@ -221,6 +225,9 @@ def test_missing_cycles_are_no_missing_input(rule: str, backend: str) -> None:
     found = run.step(evaluator.read({"t": 1.0, "signals": signals})).rules[rule]
     assert found.verdict == "undefined"
     assert found.reason == "driven[-1]: 2 cycles are missing there, and nothing is known of them"
+    if rule != "everybody":
+        assert found.witness is not None
+        assert (found.witness.binders, math.isnan(found.witness.margin)) == ({"c": -1}, True)
 
 
 COUNTS = """

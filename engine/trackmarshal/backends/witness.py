@@ -139,6 +139,8 @@ class Descent:
                 return self._until(node, env)
             case ir.Shift():
                 level = node.axis.level
+                if self.gap is not None:  # nothing is known there, whatever comes before or after
+                    return node.operand, env
                 return (
                     None
                     if self._outside(node, env)
