@@ -74,7 +74,7 @@ class Batch:
         """(size, samples): the margins of a rule, in SI, at every sample of the timeline that it is for all of, or along.
 
         NaN where undefined, inf where nothing is demanded: where its `where` or `whenever` does not hold. Of a rule for pairs of samples,
-        the margin stands at the first of them. Raises E401 for an unknown rule, E406 for one that is not about every sample.
+        the margin stands at the first of them. Raises E401 for an unknown rule, E406 for one that is not about every sample, or is about other cycles.
         """
         from trackmarshal.backends.samples import Sampled, samples
 
@@ -83,7 +83,8 @@ class Batch:
             Sampled(info)
         except ValueError as error:
             raise TrackmarshalError(
-                "E406", str(error), help="there are margins by sample of rules `along` a timeline, and `for all` of its samples"
+                "E406", str(error),
+                help="there are margins by sample of rules `along` a timeline, and `for all` of its samples, that speak of no other cycle",
             ) from None  # fmt: skip
         rows: list[Floats] = []
         for _, frames in self._frames():

@@ -61,7 +61,8 @@ CODES = {
     "E406": (
         "a rule without margins by sample",
         "Margins by sample are those of a rule that is evaluated `along` a timeline, or that asks something `for all` of its samples. "
-        "What asks for one sample, compares two numbers, or speaks of objects first has no margin of its own at each sample.",
+        "What asks for one sample, compares two numbers, or speaks of objects first has no margin of its own at each sample. "
+        "A rule that speaks of other cycles has none for cases by themselves.",
     ),
     "E403": (
         "constraints of the spec do not hold",

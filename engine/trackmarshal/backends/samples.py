@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 class Sampled:
     """What a rule demands at each sample: `body`, of those for which `guard` holds, wherever all of `whenever` do.
 
-    Raises ValueError for a rule that is about no samples of its own.
+    Raises ValueError for a rule that is about no samples of its own, or about other cycles.
     """
 
     def __init__(self, rule: RuleInfo) -> None:
