@@ -94,6 +94,20 @@ def test_each_call_is_warned_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert len(found) > 1
 
 
+def test_each_difference_is_warned_of_where_it_stands(tmp_path: Path) -> None:
+    """Not where it stood first, in a rule that may allow it."""
+    content = (
+        "predicate small(o: rad) = abs(o) <= 1 rad\n"
+        "define same(o: rad) -> rad = o\n"
+        'rule one\n  for all o in objects\n  require small(o.heading - ego.heading)\n  allow W310 because "none crosses it"\n'
+        "rule two\n  for all o in objects\n  require small(o.heading - ego.heading)\n"
+        "rule three\n  for all o in objects\n  require abs(same(o.heading - ego.heading)) <= 1 rad\n"
+        "rule four\n  for all o in objects\n  require abs(same(o.heading - ego.heading)) <= 1 rad\n"
+    )
+    found = compiled(tmp_path, content).found
+    assert [(d.code, d.span.line) for d in found] == [("W310", line) for line in (13, 16, 19)]
+
+
 def test_the_same_words_about_something_else(tmp_path: Path) -> None:
     """Names of one rule are not those of another one, and an inner one is not the outer one."""
     content = (

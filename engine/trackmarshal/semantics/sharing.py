@@ -8,10 +8,10 @@ from typing import NamedTuple
 from trackmarshal import typed
 from trackmarshal.typed.base import Typed
 
-#: What is compared by what it says. Whatever holds a formula is not: messages point to where that stands, each to its own.
+#: What is compared by what it says. Whatever holds a formula is not, nor is a difference: messages point to where that stands, each to its own.
 _PLAIN = frozenset({
     typed.State, typed.Variable, typed.Sample, typed.ParameterRecord, typed.Signal, typed.Field, typed.Parameter, typed.Literally,
-    typed.Pi, typed.Negative, typed.Arithmetic, typed.Member, typed.MemberField, typed.PlacedLine, typed.SignalLine, typed.Border,
+    typed.Pi, typed.Negative, typed.Member, typed.MemberField, typed.PlacedLine, typed.SignalLine, typed.Border,
     typed.Corridor,
 })  # fmt: skip
 #: What stands for something that was bound elsewhere, and is the same only where that is; for nothing, in a definition that is checked by itself.
