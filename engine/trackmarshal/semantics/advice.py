@@ -356,7 +356,9 @@ class Advice:
                 if node.op in "+-":
                     return left or right
                 # A multiple of an angle is one; of a percentage, it may well be made what it looks like: `100 * share`.
-                return angles and (left != right if node.op == "*" else left and not right)
+                if not angles or (left == right if node.op == "*" else right or not left):
+                    return False
+                return not _counts_turns(node)
             case typed.Power():  # a product: of an odd number of angles
                 whole = typed.whole_exponent(node.exponent)
                 return angles and whole is not None and whole > 0 and whole % 2 == 1 and of(node.base)
@@ -429,6 +431,17 @@ class Advice:
         """The unit in which a field is declared; "1" for that of a parameter that nothing is given for."""
         kind = None if field.record.signal is None else field.record.signal.field(field.name)
         return "1" if kind is None else kind.unit
+
+
+def _counts_turns(node: typed.Arithmetic) -> bool:
+    """Whether a multiple of an angle is one no more, as it is divided by pi: `angle * 180 / pi`, and `180 / pi * angle`."""
+    if node.op == "/":
+        return not _reads(node.right) and any(isinstance(part, typed.Pi) for part in typed.below(node.right))
+    sides = (_behind(node.left), _behind(node.right))
+    return any(
+        isinstance(side, typed.Arithmetic) and side.op == "/" and not _reads(side) and _counts_turns(side)
+        for side in sides
+    )
 
 
 def _kept(node: typed.Kept) -> Iterator[typed.Keep]:
