@@ -648,6 +648,9 @@ def test_an_exception_that_leaves_nothing_to_be_found_is_asked_about(
         ("param steep : deg = 5 m\n", "write a number in deg, such as `5 deg`"),
         ("param least : % = 0.2\n", "write the unit: `0.2 %`, or `20 %` where it is a share of a whole"),
         ("param least : % = 20\n", "write the unit: `20 %`"),
+        (rule("a", "truck.load <= 1.2"), "write `1.2 %`, or `120 %` where it is so many times the whole"),
+        (rule("a", "truck.load <= -2"), "write `-2 %`, or `-200 %` where it is so many times the whole"),
+        (rule("a", "truck.load <= 5"), "write `5 %`"),
     ],
 )
 def test_no_help_leads_to_a_number_that_is_another_one(text: str, help_: str, tmp_path: Path) -> None:

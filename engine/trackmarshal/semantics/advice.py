@@ -258,7 +258,7 @@ class Advice:
                     and self.is_bare(number)
                     and self.declared_in(PERCENT, other)
                 ):
-                    yield BarePercentage(number.span, other.span, in_full(value, "1"), in_full(value, "%"))
+                    yield _bare_share(number.span, other.span, value)
 
     def _is_share(self, number: typed.Number) -> bool:
         """Whether a number is a percentage, and not an angle besides, of which it was told where they met."""
@@ -431,6 +431,13 @@ class Advice:
         """The unit in which a field is declared; "1" for that of a parameter that nothing is given for."""
         kind = None if field.record.signal is None else field.record.signal.field(field.name)
         return "1" if kind is None else kind.unit
+
+
+def _bare_share(number: Span, other: Span, value: float) -> BarePercentage:
+    hint = f"write `{in_full(value, '1')} %`"
+    if abs(value) <= 2.0:
+        hint += f", or `{in_full(value, '%')}` where it is so many times the whole"
+    return BarePercentage(number, other, in_full(value, "%"), hint)
 
 
 def _counts_turns(node: typed.Arithmetic) -> bool:

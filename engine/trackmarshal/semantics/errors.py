@@ -733,7 +733,7 @@ class BarePercentage(Diagnostic):
     text = "a number without a unit meets a percentage"
     label = "this is {percent}"
     other_label = "this is a percentage"
-    remedy = "write `{number} %`"
+    remedy = "{hint}"
     explanation = (
         "A percentage is a plain number, a hundredth of what stands before the `%`. In a range and in a table a number without a unit is in the unit "
         "that is declared there; in a formula it is itself, so that `charge <= 90` holds for every charge. Numbers up to 1 are taken for what they are, "
@@ -742,8 +742,8 @@ class BarePercentage(Diagnostic):
 
     span: Span
     other: Span
-    number: str
     percent: str
+    hint: str
 
 
 class NoShare(Diagnostic):
