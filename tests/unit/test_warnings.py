@@ -563,6 +563,7 @@ TURNING = """signal plan : trajectory { t: s increasing, heading: rad, kappa: 1/
 line axis = (0 m, 0 m) (1 m, 0 m)
 signal car : state { x: m, y: m, heading: deg, steering: deg }
 define wide -> rad = 10 deg
+define size(o: rad) -> rad = abs(o - car.heading)
 """
 
 
@@ -582,6 +583,13 @@ define wide -> rad = 10 deg
         ("abs(atan2(car.y, car.x) - atan2(car.x, car.y)) <= 30 deg", []),
         ("p.heading <= 90 deg and p.heading <= car.steering + 10 deg", []),
         ("abs(sin(q.heading - p.heading) / (q.t - p.t)) <= 1 rad/s", []),
+        ("min(abs(q.heading - p.heading), 2 * pi - abs(q.heading - p.heading)) <= 1 rad", []),
+        ("min(360 deg - abs(q.heading - p.heading), abs(q.heading - p.heading)) <= 1 rad", []),
+        ("min(q.heading - p.heading, 360 deg - (q.heading - p.heading)) <= 1 rad", ["q.heading - p.heading"]),
+        ("min(abs(q.heading - p.heading), 180 deg - abs(q.heading - p.heading)) <= 1 rad", ["q.heading - p.heading"]),
+        ("min(abs(q.heading - p.heading), 360 deg - abs(q.heading - car.heading)) <= 1 rad", ["q.heading - p.heading"]),
+        ("min(size(q.heading), 2 * pi - size(q.heading)) <= 1 rad", []),
+        ("min(size(q.heading), 2 * pi - size(p.heading)) <= 1 rad", ["o - car.heading"]),
         ("p.heading / car.heading <= 3 and p.heading + car.heading <= car.heading", []),
     ],
 )  # fmt: skip

@@ -5,6 +5,7 @@ Angles and percentages are plain numbers, and stay such: that something is one i
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Collection, Iterator
 from functools import partial
@@ -492,10 +493,35 @@ def _apart(
             case typed.NumberCase():
                 stack += [branch.value for branch in reversed(part.branches)]
             case typed.Function() if part.name in _GIVE_ON or part.name in ("sqrt", "hypot"):
-                stack += reversed(part.arguments)
+                if not _both_ways(part):
+                    stack += reversed(part.arguments)
             case _:  # whatever else is made of it, such as a sine, is another matter
                 pass
     return None
+
+
+def _both_ways(node: typed.Function) -> bool:
+    """Whether a number is that of the shorter way round: `min(apart, 360 deg - apart)`, where `apart` is a size."""
+    sizes = [
+        _text(each)
+        for each in node.arguments
+        if isinstance(part := _behind(each), typed.Function) and part.name == "abs"
+    ]
+    return node.name == "min" and any(
+        isinstance(part, typed.Arithmetic)
+        and part.op == "-"
+        and _is_turn(part.left)
+        and _text(part.right) in sizes
+        for part in map(_behind, node.arguments)
+    )
+
+
+def _is_turn(node: typed.Number) -> bool:
+    """Whether a number is a whole turn: `360 deg`, `2 * pi`."""
+    node = _behind(node)
+    factors = (node.left, node.right) if isinstance(node, typed.Arithmetic) and node.op == "*" else (node,)
+    values = [value for each in factors if (value := typed.literal(each)) is not None]
+    return len(values) == len(factors) and math.isclose(math.prod(values), math.tau)
 
 
 def _stands(node: typed.Number) -> bool:
