@@ -128,6 +128,18 @@ def test_the_same_words_about_something_else(tmp_path: Path) -> None:
         }  # fmt: skip
 
 
+def test_the_same_call_along_nothing(tmp_path: Path) -> None:
+    """A sample that is the same is along its timeline in one rule, and in the other one there is none."""
+    content = (
+        "signal plan : trajectory { t: s increasing, v: m/s }\n"
+        "predicate soon(v: m/s) = eventually v <= 3 m/s\n"
+        "rule one\n  along plan as p\n  require soon(p.v)\n"
+        "rule two\n  for all p in plan\n  require soon(p.v)\n"
+    )
+    found = compiled(tmp_path, content).found
+    assert [(d.code, d.span.line) for d in found] == [("E223", 12)]
+
+
 def test_it_counts_as_often_as_it_is_written_out(tmp_path: Path) -> None:
     """Nine times 1009 definitions are fewer than 10000 and ten times are more, however often they were made."""
     chain = "define d0(v: m/s) -> m/s = v\n" + "".join(
@@ -148,3 +160,6 @@ def test_it_is_as_deep_as_it_stands(tmp_path: Path) -> None:
     deeper = f"{chain}rule r\n  require d48 <= 1 m/s\ndefine d50 -> m/s = d49 + 1 m/s\nrule s\n  require d50 <= 1 m/s\n"
     found = compiled(tmp_path, deeper).found
     assert [d.code for d in found] == ["E221"]
+    again = "define e -> m/s = d48 + 1 m/s\ndefine f -> m/s = e + 1 m/s\n"
+    again += "rule q\n  require d48 + e <= 1 m/s\nrule r\n  require f <= 1 m/s\n"
+    assert [d.code for d in compiled(tmp_path, chain + again).found] == ["E221"]
