@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from support.shared import REPOSITORY
+from trackmarshal import typed
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.node import Node
 from trackmarshal.semantics.compile import Compiled, compile_paths
@@ -115,6 +116,8 @@ def test_the_same_words_about_something_else(tmp_path: Path) -> None:
         "rule two\n  let a = ego.v + 2 m/s\n  require twice(a) <= 9 m/s\n"
         "rule three\n  for all o in objects\n  require twice(o.v) <= 9 m/s\n"
         "rule four\n  for all p in objects\n  for all o in objects\n  require twice(o.v) <= twice(p.v)\n"
+        "rule again\n  let b = ego.v\n  require twice(b) <= 9 m/s\n"
+        "rule and_again\n  let b = ego.v\n  require twice(b) <= 9 m/s\n"
         "rule five\n  require (for all o in objects: twice(o.v) <= 9 m/s) and (exists o in objects: twice(o.v) >= 3 m/s)\n"
     )
     made = compiled(tmp_path, content)
@@ -124,7 +127,7 @@ def test_the_same_words_about_something_else(tmp_path: Path) -> None:
     for backend in ("reference", "numpy"):
         case = Evaluator(made.spec, None, backend).case({"signals": {"ego": ego, "objects": objects}})
         assert {name: result.margin for name, result in case.rules.items()} == {
-            "one": 0.5, "two": -1.5, "three": 1.0, "four": -4.0, "five": 1.0,
+            "one": 0.5, "two": -1.5, "three": 1.0, "four": -4.0, "again": 2.5, "and_again": 2.5, "five": 1.0,
         }  # fmt: skip
 
 
@@ -163,3 +166,25 @@ def test_it_is_as_deep_as_it_stands(tmp_path: Path) -> None:
     again = "define e -> m/s = d48 + 1 m/s\ndefine f -> m/s = e + 1 m/s\n"
     again += "rule q\n  require d48 + e <= 1 m/s\nrule r\n  require f <= 1 m/s\n"
     assert [d.code for d in compiled(tmp_path, chain + again).found] == ["E221"]
+
+
+def test_it_is_made_once(tmp_path: Path) -> None:
+    """Otherwise, nobody would notice that nothing is shared."""
+    content = (
+        "rule one\n  require twice(ego.v) <= 5 m/s or twice(ego.v) >= 7 m/s\n"
+        "rule two\n  require twice(ego.v) <= 9 m/s\n"
+        "rule three\n  for all o in objects\n  require twice(o.v) <= 9 m/s\n"
+        "rule four\n  for all o in objects\n  require twice(o.v) <= 8 m/s\n"
+        "rule five\n  for all p in objects\n  require twice(p.v) <= 9 m/s\n"
+    )
+    made = compiled(tmp_path, content)
+    assert [d.code for d in made.found] == []
+    bodies = {
+        rule.name: {node.body for node in typed.below(rule.typed) if isinstance(node, typed.CalledNumber)}
+        for rule in made.spec.rules
+        if rule.typed is not None
+    }
+    assert all(len(found) == 1 for found in bodies.values())
+    assert bodies["one"] == bodies["two"]
+    assert bodies["three"] == bodies["four"]
+    assert bodies["three"] != bodies["five"]
