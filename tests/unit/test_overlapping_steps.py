@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -476,3 +477,35 @@ def test_what_was_stored_by_a_step_that_was_stopped_is_driven_from(
         assert again.driven.due == pytest.approx([t + 3 * PERIOD for t in cycle(3).emergency["t"]])
         assert again.driven.columns.listed("x") == cycle(3).emergency["x"].tolist()
     assert stepped(one, clock, 4).safe
+
+
+def test_a_step_that_the_handler_of_a_signal_takes_waits_for_nobody(backend: str) -> None:
+    """As of an alarm that says that no cycle came, at whatever line of the step that it interrupts: whom that waits for is itself."""
+    clock = Clock()
+    one = made(backend, clock)
+    codes = {Supervisor.step.__code__, Slowly.step.__code__}
+    places: list[int] = []
+
+    def taken_at(place: int) -> None:
+        lines = iter(range(100))
+
+        def inside(frame: FrameType, event: str, given: Any) -> Any:
+            if event == "line" and next(lines) == place:
+                one.step(None)
+            return inside
+
+        sys.settrace(lambda frame, event, given: inside if frame.f_code in codes else None)
+        try:
+            stepped(one, clock, place)
+        finally:
+            sys.settrace(None)
+        places.append(place)
+
+    def all_places() -> None:
+        for place in range(8):
+            taken_at(place)
+
+    thread = threading.Thread(target=all_places, daemon=True)
+    thread.start()
+    thread.join(60)
+    assert places == list(range(8))

@@ -153,8 +153,8 @@ class Supervisor(OfOneRun):
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
         self._clock = clock
-        #: Whether a step is being taken, and what is held while somebody looks.
-        self._taken, self._looked_at = False, threading.Lock()
+        #: Whether a step is being taken, and what is held while somebody looks: by the handler of a signal as well, which interrupts just that.
+        self._taken, self._looked_at = False, threading.RLock()
         self._last = -math.inf
         self._steps = 0
         #: Number and step of the cycle that rules remember last, None before the first, and how many cycles since then were missing by

@@ -85,7 +85,7 @@ class Slowly:
     recorded: bool = False
 
     def __init__(self) -> None:
-        self._looked_at, self._taker = threading.Lock(), 0
+        self._looked_at, self._taker = threading.RLock(), 0  # see runtime.supervisor.Supervisor
 
     def step(self, cycle: Cycle | None) -> Decision | Literal[False] | None:
         """The Decision of a cycle; None where Python has to go on, with what is `left`, and to `release` in the end; False where a step is being
