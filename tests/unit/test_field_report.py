@@ -203,6 +203,23 @@ def test_limits_are_where_closed_forms_say(tmp_path: Path) -> None:
     assert firings(drive, narrow) == []
 
 
+def test_a_rule_over_the_run_sees_the_cycles_before(tmp_path: Path) -> None:
+    """Each was judged as the first and only one of a run, and nothing fired. From the second second on, until two seconds after the car is fast."""
+    where, file = drive_of(tmp_path)
+    text = 'module recent\n\nuse supervisor.interface\n\nparam v_slow : m/s = 12 m/s in [0, 90]\n  source "made up"\n\n'
+    text += 'rule long_fast "It has been fast"\n  require not once[1 s, 2 s] ego.v < v_slow\n'
+    text += 'rule long_slow "It has not been too fast"\n  require not once[1 s, 2 s] ego.v > v_slow + 4 m/s\n'
+    (tmp_path / "recent.spec").write_text(text, encoding="utf-8")
+    drive = build(mapping.read(where), file)
+    found = judge(drive.recording, Evaluator(load([tmp_path / "recent.spec"])))
+    (one,) = firings(drive, found)
+    slow = [cycle.t for cycle in drive.recording.cycles if cycle.ego["v"] < 12.0]
+    assert (one.begin, one.end) == pytest.approx((slow[0] + 1.0, slow[-1] + 2.0), abs=0.21)
+    assert found.result(one.worst[0], 0, 0).verdict == "violated"
+    assert ["cycles before" in each.why for each in limits(found)] == [False, True]
+    assert report(drive, found).rates[0].firings == 1
+
+
 def test_parameters_of_a_rule_are_those_that_its_formula_reads() -> None:
     names = {rule.name: {name.rpartition(".")[2] for name in params_of(rule)} for rule in spec().rules}
     assert names["speed_limit"] == {"v_event", "v_max"}

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import CHUNK, Evaluator
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.program import Judged, Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
 from trackmarshal.scenarios.fields import further_names
 from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
-from trackmarshal.scenarios.supervised import cycles, shown
+from trackmarshal.scenarios.supervised import cycles, shown, supervised
 from trackmarshal.supervision import rulebox
 
 Floats = NDArray[np.float64]
@@ -28,7 +29,8 @@ CONTRACT = "input contract"
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """times (cycles,), s; codes (cycles, candidates, rules): places in VERDICTS; margins alike, in SI; faults: by cycle, what breaks the contract."""
+    """times (cycles,), s; codes (cycles, candidates, rules): places in VERDICTS; margins alike, in SI; faults: by cycle, what breaks the contract;
+    in_step: what was said of each cycle, where that depends on those before; empty where a cycle may be asked about by itself."""
 
     evaluator: Evaluator
     times: Floats
@@ -36,6 +38,7 @@ class Judgement:
     codes: NDArray[np.uint8]
     margins: Floats
     faults: dict[int, str]
+    in_step: Sequence[Judged] = ()
 
     @property
     def rules(self) -> list[str]:
@@ -55,7 +58,10 @@ class Judgement:
 
     def result(self, cycle: int, candidate: int, rule: int) -> RuleResult:
         """One outcome with its witness."""
-        (judged,) = self.evaluator.judge_all([self.frames[cycle]])
+        if self.in_step:
+            judged = self.in_step[cycle]
+        else:
+            (judged,) = self.evaluator.judge_all([self.frames[cycle]])
         return judged.rated[CANDIDATES[candidate]].explain(rule, False)
 
 
@@ -64,19 +70,24 @@ def judge(
 ) -> Judgement:
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
     tables, _ = known_tables(recording, evaluator.spec)
+    times, number = np.array([cycle.t for cycle in recording.cycles]), len(evaluator.rules)
+    if any(map(remembers, evaluator.rules)):
+        # Asked about one frame by itself, they take it for the first and only cycle of a run.
+        steps = [judged for _, judged, _ in supervised(recording, evaluator, tables, watch)]
+        seen = [judged.about for judged in steps]
+        return Judgement(evaluator, times, seen, *_listed(steps, number), _breaches(seen), steps)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     door = box.supervisor(box.open_loop).door
-    frames: list[Frame] = []
-    faults: dict[int, str] = {}
-    for place, cycle in enumerate(cycles(recording, further_names(recording, evaluator))):
-        frame = shown(door.admit(-1, cycle, cycle.t).frame)
-        if frame.faults:
-            faults[place] = str(frame.faults[0])
-        frames.append(frame)
-    codes, margins = rated(evaluator.program, frames, len(evaluator.rules), watch)
-    return Judgement(
-        evaluator, np.array([cycle.t for cycle in recording.cycles]), frames, codes, margins, faults
-    )
+    frames = [
+        shown(door.admit(-1, cycle, cycle.t).frame)
+        for cycle in cycles(recording, further_names(recording, evaluator))
+    ]
+    codes, margins = rated(evaluator.program, frames, number, watch)
+    return Judgement(evaluator, times, frames, codes, margins, _breaches(frames))
+
+
+def _breaches(frames: Sequence[Frame]) -> dict[int, str]:
+    return {place: str(frame.faults[0]) for place, frame in enumerate(frames) if frame.faults}
 
 
 def rated(
@@ -85,14 +96,23 @@ def rated(
     rules: int,
     watch: Callable[[Sequence[Any]], Iterable[Any]] = iter,
 ) -> tuple[NDArray[np.uint8], Floats]:
-    """Codes and margins (frames, candidates, rules); a candidate that is not there is undefined."""
-    codes = np.full((len(frames), len(CANDIDATES), rules), VERDICTS.index("undefined"), np.uint8)
+    """Codes and margins (frames, candidates, rules) of frames that are judged each by itself."""
+    parts = [
+        _listed(program.judge_all(frames[start : start + CHUNK]), rules)
+        for start in watch(range(0, len(frames), CHUNK))
+    ]
+    codes, margins = zip(*parts or [_listed([], rules)])
+    return np.concatenate(codes), np.concatenate(margins)
+
+
+def _listed(found: Sequence[Judged], rules: int) -> tuple[NDArray[np.uint8], Floats]:
+    """Codes and margins (cycles, candidates, rules); a candidate that is not there is undefined."""
+    codes = np.full((len(found), len(CANDIDATES), rules), VERDICTS.index("undefined"), np.uint8)
     margins = np.full(codes.shape, np.nan)
-    for start in watch(range(0, len(frames), CHUNK)):
-        for place, judged in enumerate(program.judge_all(frames[start : start + CHUNK]), start):
-            for number, name in enumerate(CANDIDATES):
-                one = judged.rated.get(name)
-                if one is not None:
-                    codes[place, number] = np.frombuffer(one.verdicts, np.uint8)
-                    margins[place, number] = one.margins
+    for place, judged in enumerate(found):
+        for number, name in enumerate(CANDIDATES):
+            one = judged.rated.get(name)
+            if one is not None:
+                codes[place, number] = np.frombuffer(one.verdicts, np.uint8)
+                margins[place, number] = one.margins
     return codes, margins

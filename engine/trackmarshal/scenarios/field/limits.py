@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.nodes import Param, below
 from trackmarshal.ir.spec import ParamInfo, RuleInfo
@@ -70,6 +71,10 @@ def limits(judged: Judgement, quiet_from: int = 0) -> list[Limit]:
             continue
         if unsafe[:, :, number].any():
             result.append(Limit(rule.name, "", "", math.nan, why="it fires with the values as they are"))
+            continue
+        if remembers(rule):
+            why = "it is about cycles before, too: each value would be a run of its own"
+            result.append(Limit(rule.name, "", "", math.nan, why=why))
             continue
         alone = Evaluator(judged.evaluator.spec, [rule.name], "numpy")
         # those with the least margins, and some of all the others
