@@ -21,12 +21,12 @@ from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.field import mapping
-from trackmarshal.scenarios.field.build import Drive, build
+from trackmarshal.scenarios.field.build import Drive, as_it_is, build
 from trackmarshal.scenarios.field.causes import firings, on_road
 from trackmarshal.scenarios.field.header import header
 from trackmarshal.scenarios.field.judged import CONTRACT, Judgement, judge
 from trackmarshal.scenarios.field.limits import limits, params_of
-from trackmarshal.scenarios.field.report import data, report
+from trackmarshal.scenarios.field.report import data, report, residuals
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRACT = ROOT / "tests" / "field" / "lvms_25s.yaml"
@@ -201,6 +201,29 @@ def test_limits_are_where_closed_forms_say(tmp_path: Path) -> None:
     (_, width) = sorted(limits(narrow), key=lambda one: one.param)
     assert width.above == pytest.approx(4.0, abs=0.02)  # twice the 2 m to the left border
     assert firings(drive, narrow) == []
+
+
+def test_with_its_noise_a_log_has_the_same_cycles(tmp_path: Path) -> None:
+    """It ends at speed, and as it is brakings come to rest before that from two cycles more than smoothed: it was an internal error (IndexError)."""
+    log = field_logs.noisy(field_logs.straight(20.0, 10.0), 4, 0.3, 0.02, 0.2, 0.02)
+    where, file = field_logs.write(tmp_path, log, field_logs.MAP.replace("horizon: 2", "horizon: 0.2"))
+    drive, found = judged(where, file, ["acceleration_integrity"])
+    assert len(build(drive.mapping, file, raw=True).recording.cycles) == len(found.times) + 2
+    raw = as_it_is(drive)
+    logged = judge(raw.recording, found.evaluator)
+    assert logged.times.tolist() == found.times.tolist()
+    made = report(drive, found, (raw, logged))
+    assert "noise" in {rate.cause for rate in made.logged or []}
+
+
+def test_a_drive_of_one_cycle(extract: tuple[Drive, Judgement]) -> None:
+    """The times of rows are no whole microseconds, those of cycles are: between the first and the last cycle lay no row, an internal error."""
+    drive, _ = extract
+    place = next(place for place, cycle in enumerate(drive.recording.cycles) if cycle.t not in drive.log.t)
+    t = drive.recording.cycles[place].t
+    (row,) = np.flatnonzero(np.abs(drive.log.t - t) < 1e-6)
+    apart = residuals(drive, t, t)["speed"]
+    assert apart["most"] == pytest.approx(abs(drive.log.v[row] - drive.motion.v[row]))
 
 
 def test_a_rule_over_the_run_sees_the_cycles_before(tmp_path: Path) -> None:

@@ -82,7 +82,7 @@ def _report(args: argparse.Namespace, drive: Drive) -> int:
     from trackmarshal.cli.evidence import keep
     from trackmarshal.cli.replay import default_spec, evaluator_for
     from trackmarshal.scenarios.field import report as reports
-    from trackmarshal.scenarios.field.build import build
+    from trackmarshal.scenarios.field.build import as_it_is
     from trackmarshal.scenarios.field.causes import MAP, NOISE
     from trackmarshal.scenarios.field.judged import judge
     from trackmarshal.scenarios.field.limits import limits
@@ -96,7 +96,7 @@ def _report(args: argparse.Namespace, drive: Drive) -> int:
     )
     logged = None
     if drive.smoother:
-        raw = build(drive.mapping, Path(drive.log.path), raw=True)
+        raw = as_it_is(drive)
         logged = raw, judge(raw.recording, evaluator)
     made = reports.report(drive, judged, logged, limits(judged) if args.limits else None)
     if args.format == "json":

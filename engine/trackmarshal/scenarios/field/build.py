@@ -110,6 +110,13 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     return Drive(mapping, log, noise, motion, filled(recording), name, _sources(mapping, log))
 
 
+def as_it_is(drive: Drive) -> Drive:
+    """The same log without its smoother, in the same cycles: with its noise, a braking before its end may come to rest a cycle sooner or later."""
+    raw = build(drive.mapping, Path(drive.log.path), raw=True)
+    cycles = raw.recording.cycles[: len(drive.recording.cycles)]
+    return replace(raw, recording=replace(raw.recording, cycles=cycles))
+
+
 def _on_their_sides(log: Log, rows: NDArray[np.int64], borders: list[list[list[float]]]) -> None:
     """Raise D173 where the left border is right of the car that drives along it: in a frame that is mirrored, zones are elsewhere."""
     moving = rows[log.v[rows] > MOVING]
