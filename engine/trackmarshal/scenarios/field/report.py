@@ -22,6 +22,8 @@ from trackmarshal.units import from_si, written
 Floats = NDArray[np.float64]
 FORMAT = "trackmarshal-field-report"
 VERSION = 1
+#: s: what the times of cycles are rounded to, which are those of rows.
+_ROUNDED = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +101,7 @@ def residuals(drive: Drive, begin: float = 0.0, end: float = math.inf) -> dict[s
     `lag`, s: how late the speed column follows a change of speed (least squares over the moving part).
     """
     log, motion = drive.log, drive.motion
-    part = (log.t >= begin) & (log.t <= end)
+    part = (log.t >= begin - _ROUNDED) & (log.t <= end + _ROUNDED)
     dx, dy, c, s = log.x - motion.x, log.y - motion.y, np.cos(motion.heading), np.sin(motion.heading)
     columns = {
         "along": dx * c + dy * s, "beside": dy * c - dx * s, "heading": np.angle(np.exp(1j * (log.heading - motion.heading))),
