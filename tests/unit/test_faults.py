@@ -332,6 +332,8 @@ def test_what_the_recording_does_not_have_cannot_be_changed(
         ("{column: driving.v, add: 0}", True),
         ("{trajectory: driving, keep: 1000}", True),
         ("{judge: slow, delay: 0.005}", True),
+        ("{border: left, swap: [100000, 100001]}", True),
+        ("{border: left, keep: [0, 100000]}", False),  # of a closed track it opens that
         ("{column: driving.v, add: 1.0e-9}", False),
         ("{append: obstacles, id: box, ahead: -500, left: 0, length: 1, width: 1}", False),
     ],
@@ -343,6 +345,28 @@ def test_a_fault_that_changes_nothing_shows_nothing(
     outcome = bench.run(campaign, replace(friction(campaign), changes=changes, expected=None))
     assert outcome.first is None
     assert outcome.wrong == ("it changes nothing: all cycles are as they were recorded" if idle else "")
+
+
+@pytest.mark.parametrize(
+    ("texts", "said"),
+    [
+        (
+            ("{trajectory: driving, keep: 1000}", "{column: driving.v, add: 1.0e-9}"),
+            "change 1 of 2 changes nothing: all cycles are as without it",
+        ),
+        (
+            ("{column: driving.v, add: 1}", "{column: driving.v, add: -1}"),
+            "it changes nothing: all cycles are as they were recorded",
+        ),
+        (("{judge: slow, delay: 0.004}", "{column: driving.v, add: 1.0e-9}"), ""),
+    ],
+)
+def test_each_change_of_a_fault_changes_something(
+    campaign: Campaign, bench: Bench, texts: tuple[str, ...], said: str
+) -> None:
+    """One of which nothing came went unheard beside another one: what was found was not what the fault says."""
+    changes = tuple(change(document.read(text.encode(), "f.yaml")) for text in texts)
+    assert bench.run(campaign, replace(friction(campaign), changes=changes, expected=None)).wrong == said
 
 
 @pytest.mark.parametrize(

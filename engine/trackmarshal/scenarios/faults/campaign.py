@@ -80,18 +80,22 @@ class Bench:
 
         Raises D153 for a fault that cannot be put into this recording.
         """
-        said, disturbed = zip(*(self._decisions(campaign, fault) for _ in range(2)))
+        said, idle = zip(*(self._decisions(campaign, fault) for _ in range(2)))
         outcome = _outcome(fault, said[0], self._evaluated)
         confirmed = self._judging.confirmed()
         if not confirmed or [_summary(d) for _, d in said[0]] != [_summary(d) for _, d in said[1]]:
             wrong = f"{outcome.wrong}; " if outcome.wrong else ""
             return replace(outcome, wrong=f"{wrong}the same cycles led to other decisions the second time")
-        if fault.changes and not any(disturbed):  # an undisturbed run shows nothing of faults
+        if len(idle[0]) == len(fault.changes) > 0:  # an undisturbed run shows nothing of faults
             return replace(outcome, wrong="it changes nothing: all cycles are as they were recorded")
+        if idle[0]:  # what is found may be due to the others alone
+            which = ", ".join(str(number + 1) for number in sorted(idle[0]))
+            wrong = f"change {which} of {len(fault.changes)} changes nothing: all cycles are as without it"
+            return replace(outcome, wrong=wrong)
         return outcome
 
-    def _decisions(self, campaign: Campaign, fault: Fault) -> tuple[list[tuple[float, Decision]], bool]:
-        """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s; and whether any cycle was changed."""
+    def _decisions(self, campaign: Campaign, fault: Fault) -> tuple[list[tuple[float, Decision]], set[int]]:
+        """The decisions of a new Supervisor around the fault, each with the time that its cycle is due, s; and the numbers of changes that changed no cycle."""
         last = fault.end if fault.expected is None else max(fault.end, fault.expected.last)
         begin, end = fault.begin - campaign.lead - _SLACK, last + campaign.lead + _SLACK
         clock = _Clock()
@@ -99,6 +103,8 @@ class Bench:
         supervisor.program = judge = _Saboteur(self._judging)
         said: list[tuple[float, Decision]] = []
         touched = disturbed = False
+        every = set(range(len(fault.changes)))
+        idle = set(every)
         free = -math.inf  # when the Supervisor is done with the cycle before
         for cycle in self._cycles:
             if not begin <= cycle.t <= end:
@@ -107,8 +113,12 @@ class Bench:
             if fault.begin - _SLACK <= cycle.t <= fault.end + _SLACK:
                 touched = True
                 try:
-                    for each in fault.changes:
+                    for number, each in enumerate(fault.changes):
+                        before = moment.copied()
                         each(moment)
+                        if moment != before:
+                            idle.discard(number)
+                    disturbed = disturbed or moment != Moment.of(cycle)  # of changes, one may undo another
                 except (KeyError, IndexError, TypeError, ValueError, ZeroDivisionError) as error:
                     message = f"the fault `{fault.id}` changes what is not there at {cycle.t:g} s ({error})"
                     raise TrackmarshalError(
@@ -118,7 +128,6 @@ class Bench:
                         line=fault.line,
                         help="name what the recording has",
                     ) from error
-                disturbed = disturbed or moment != Moment.of(cycle)
             if moment.lost:
                 continue
             arrival = max(moment.arrival, free)
@@ -131,7 +140,7 @@ class Bench:
             raise TrackmarshalError(
                 "D153", message, file=campaign.source, line=fault.line, help="choose a time that it has"
             )
-        return said, disturbed
+        return said, idle if disturbed else every
 
 
 def _satisfied(rules: Iterable[RuleInfo]) -> frozenset[str]:

@@ -255,7 +255,7 @@ def _border(item: Item) -> Change:
 
         def spoil(moment: Moment) -> None:
             track = moment.signals["track"]
-            track[line] = [[value, value], *_points(track[line])[1:]]
+            _put(track, line, [[value, value], *_points(track[line])[1:]])
 
         return spoil
     first, last = _range(fields[given[0]])
@@ -264,14 +264,21 @@ def _border(item: Item) -> Change:
         track = moment.signals["track"]
         mine, theirs = _points(track[line]), _points(track[other])
         if given[0] == "keep":
-            track[line] = mine[first : last + 1]
+            _put(track, line, mine[first : last + 1])
             track["closed"] = False
             return
         inside = slice(first, last + 1)
         mine[inside], theirs[inside] = theirs[inside], mine[inside]
-        track[line], track[other] = mine, theirs
+        _put(track, line, mine)
+        _put(track, other, theirs)
 
     return apply
+
+
+def _put(track: dict[str, Any], side: str, points: list[list[float]]) -> None:
+    """Other points in place of a border; one that has these points stays, so that a change of which nothing comes is seen to be none."""
+    if points != _points(track[side]):
+        track[side] = points
 
 
 def _points(border: Any) -> list[list[float]]:

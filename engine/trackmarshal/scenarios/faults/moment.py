@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from trackmarshal.runtime.cycle import Cycle
@@ -36,19 +36,19 @@ class Moment:
     @classmethod
     def of(cls, cycle: Cycle) -> Moment:
         """A copy of a recording's cycle, deep enough to be changed."""
+        plans = {"driving": cycle.driving, "emergency": cycle.emergency}
+        there = {name: plan for name, plan in plans.items() if plan is not None}
+        shared = cls(cycle.number, cycle.t, there, dict(cycle.signals), cycle.t, also=cycle.also)
+        return shared.copied()
+
+    def copied(self) -> Moment:
+        """As it is: what is changed from here on is not changed in the other."""
         candidates = {
             name: {field: list(column) for field, column in plan.items()}
-            for name, plan in (("driving", cycle.driving), ("emergency", cycle.emergency))
-            if plan is not None
+            for name, plan in self.candidates.items()
         }
-        signals = {
-            "ego": dict(cycle.signals["ego"]),
-            "objects": [dict(each) for each in cycle.signals["objects"]],
-            "obstacles": [dict(each) for each in cycle.signals["obstacles"]],
-            **{name: value for name, value in cycle.signals.items() if name not in ELSEWHERE},
-            "track": dict(cycle.signals["track"]),  # nobody changes a line: another one takes its place
-        }
-        return cls(cycle.number, cycle.t, candidates, signals, cycle.t, also=cycle.also)
+        signals = {name: _copied(name, value) for name, value in self.signals.items()}
+        return replace(self, candidates=candidates, signals=signals)
 
     @property
     def cycle(self) -> Cycle:
@@ -67,3 +67,10 @@ class Moment:
             "y": ego["y"] + ahead * s + left * c,
             "heading": math.remainder(ego["heading"] + turn, math.tau),
         }
+
+
+def _copied(name: str, value: Any) -> Any:
+    """A signal that a fault can change; of a track, nobody changes a line: another one takes its place."""
+    if name not in ELSEWHERE:
+        return value
+    return dict(value) if name in ("ego", "track") else [dict(each) for each in value]
