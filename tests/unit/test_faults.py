@@ -110,6 +110,16 @@ def test_changes_of_trajectories(text: str, column: str, expected: list[float]) 
     assert made.candidates["emergency"] == moment().candidates["emergency"]
 
 
+def test_refined_headings_turn_the_shorter_way_round() -> None:
+    """From 3 rad to -3 rad it is a turn of 0.28 rad to the left, over pi: between them lay 0, which no car has there."""
+    made = moment()
+    made.candidates["driving"]["heading"] = [3.0, -3.0, -3.0, -2.8]
+    change(document.read(b"{trajectory: driving, refine: 7}", "f.yaml"))(made)
+    between = made.candidates["driving"]["heading"]
+    assert [math.cos(angle) for angle in between[:3]] == pytest.approx([math.cos(3.0), -1.0, math.cos(3.0)])
+    assert between[2:] == pytest.approx([-3.0, -3.0, -3.0, -2.9, -2.8])
+
+
 def test_changes_that_take_away() -> None:
     assert "v" not in changed("{column: emergency.v, remove: true}").candidates["emergency"]
     assert set(changed("{trajectory: driving, remove: true}").candidates) == {"emergency"}

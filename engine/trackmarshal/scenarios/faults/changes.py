@@ -11,6 +11,7 @@ from trackmarshal.runtime.lines import Line
 from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.recording import CANDIDATES
+from trackmarshal.scenarios.trajectory import wrap
 
 Change = Callable[[Moment], None]
 #: The most samples of a trajectory that are spoken of.
@@ -180,12 +181,15 @@ def _refined(plan: dict[str, Any], count: int) -> dict[str, Any]:
     """As many samples as said, straight between those that are there."""
     steps, have = count - 1, len(plan["t"]) - 1
 
-    def between(column: list[float], at: float) -> float:
+    def between(name: str, column: list[float], at: float) -> float:
         i = min(int(at), have - 1)
-        return column[i] + (at - i) * (column[i + 1] - column[i])
+        step = column[i + 1] - column[i]
+        if name == "heading":  # the shorter way round
+            return wrap(column[i] + (at - i) * wrap(step))
+        return column[i] + (at - i) * step
 
     places = [have * k / steps for k in range(steps + 1)]
-    return {name: [between(column, at) for at in places] for name, column in plan.items()}
+    return {name: [between(name, column, at) for at in places] for name, column in plan.items()}
 
 
 def _signal(item: Item) -> Change:
