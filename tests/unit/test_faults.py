@@ -395,6 +395,17 @@ def test_what_faces_nowhere_cannot_be_moved_to_the_left(
     assert caught.value.code == "D153"
 
 
+def test_a_recording_has_what_other_specs_declare() -> None:
+    """`replay` takes such a recording; every cycle was refused (`unknown`), and every fault was found by that."""
+    recording = scenarios.load(SHIPPED.parent / "cut_in.tmrec.jsonl")
+    cycles = tuple(replace(each, ego={**each.ego, "load": 3.0}) for each in recording.cycles)
+    spec = load_spec([SHIPPED.parents[1] / "supervisor"])
+    evaluator = Evaluator(spec, ["speed_limit"], "numpy", lambda: frozenset({"ego.load"}))
+    campaign = load(SHIPPED, "faults.yaml")
+    idle = replace(friction(campaign), changes=(), expected=None)
+    assert Bench(replace(recording, cycles=cycles), evaluator).run(campaign, idle).wrong == ""
+
+
 def test_a_fault_may_say_that_nothing_is_put_in(campaign: Campaign, bench: Bench) -> None:
     """What fires then is a false alarm."""
     assert bench.run(campaign, replace(friction(campaign), changes=(), expected=None)).wrong == ""

@@ -21,7 +21,7 @@ from trackmarshal.scenarios.faults.around import Around
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.judging import Judging
 from trackmarshal.scenarios.faults.moment import Moment
-from trackmarshal.scenarios.fields import check_track
+from trackmarshal.scenarios.fields import check_track, further_names
 from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
@@ -72,7 +72,7 @@ class Bench:
         self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = limits_with(evaluator.spec, {}, self._box.settings) if limits is None else limits
         self._evaluated = _satisfied(evaluator.rules)
-        self._cycles = list(cycles(recording))
+        self._cycles = list(cycles(recording, further_names(recording, evaluator)))
         self._judging = Judging(evaluator.program)
 
     def run(self, campaign: Campaign, fault: Fault) -> Outcome:
