@@ -145,6 +145,21 @@ def test_what_is_declared_and_not_read_is_fine(change: Callable[[Lines], None]) 
     assert replay(lines)[0] == 0
 
 
+def test_what_another_spec_declares_is_known_to_a_supervisor_in_c_too() -> None:
+    """`replay` took such cycles, and the example in C refused them all (`unknown`)."""
+    lines = good()
+    put(2, "ego", "omega", value=0.1)(lines)
+    assert replay(lines)[0] == 0
+    words = ("compile", "specs/small.spec", "--cycles", "run.tmrec.jsonl", "--out", "c")
+    status, out, err = run_command(*words)
+    assert status == 0, out + err
+    assert "unknown" not in Path("c/run.cycles").read_text("utf-8")
+    put(2, "ego", "omegaa", value=0.1)(lines)
+    Path("run.tmrec.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    run_command(*words)
+    assert "unknown ego omegaa" in Path("c/run.cycles").read_text("utf-8")
+
+
 def test_the_header_declares_what_no_spec_does() -> None:
     lines = good()
     lines[0]["extra"] = {

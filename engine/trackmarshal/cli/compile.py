@@ -59,6 +59,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import context_bytes, report
     from trackmarshal.backends.c.source import generate
+    from trackmarshal.cli.evaluate import declared_within
     from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
     from trackmarshal.runtime.contract import PLAN
@@ -80,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E403", broken[0], help="change the parameters in the spec or the configuration"
         )
-    evaluator = Evaluator(spec, args.rule, "reference")
+    evaluator = Evaluator(spec, args.rule, "reference", lambda: declared_within(spec, project))
     why = unfit(spec)
     source = generate(spec, evaluator.rules, args.name, online=True, doored=not why)
     if why and given:
@@ -209,15 +210,15 @@ def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> lis
 def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Iterator[str]:
     """The lines of a file of cycles; raises E403 where the recording's parameters break a constraint."""
     from trackmarshal.scenarios import cycle_file
+    from trackmarshal.scenarios.fields import further_names
     from trackmarshal.scenarios.overrides import known_params, known_tables
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.supervision import rulebox
 
     if isinstance(one, Recording):
         tables, _ = known_tables(one, evaluator.spec)
-        return cycle_file.of_recording(
-            one, source, rulebox(evaluator, known_params(one, evaluator.spec), tables).settings
-        )
+        settings = rulebox(evaluator, known_params(one, evaluator.spec), tables).settings
+        return cycle_file.of_recording(one, source, settings, further_names(one, evaluator))
     identity = one.identity
     if identity.get("fingerprint") != evaluator.spec.fingerprint:
         print(

@@ -18,9 +18,11 @@ from trackmarshal.scenarios.supervised import cycles
 Given = tuple[Cycle | None, float, float]
 
 
-def of_recording(recording: Recording, source: Source, settings: Settings) -> Iterator[str]:
-    """The lines of a file. Every cycle arrives at its stamp, and takes no time; limits are those of `replay`."""
-    given = ((cycle, cycle.t, cycle.t) for cycle in cycles(recording))
+def of_recording(
+    recording: Recording, source: Source, settings: Settings, declared: frozenset[str] = frozenset()
+) -> Iterator[str]:
+    """The lines of a file. Every cycle arrives at its stamp, and takes no time; limits are those of `replay`, and so is what else is `declared`."""
+    given = ((cycle, cycle.t, cycle.t) for cycle in cycles(recording, declared))
     return _lines(source, settings, Limits.open_loop(source.plan.spec, settings.params), given)
 
 
