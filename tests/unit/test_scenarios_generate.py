@@ -410,6 +410,29 @@ def test_wrong_declarations_are_refused(
     assert caught.value.file == str(tmp_path / ("track.yaml" if code == "D120" else "scene.yaml"))
 
 
+@pytest.mark.parametrize(
+    ("change", "line", "part"),
+    [
+        (("ego:\n", "ego:\n  oncoming: true\n"), 17, "ego.oncoming: this key is not known"),
+        (("ego:\n", "ego:\n  silent: [[1, 2]]\n"), 17, "ego.silent: this key is not known"),
+        (("ego:\n", "ego:\n  id: own\n"), 17, "ego.id: this key is not known"),
+        (("ego:\n", "others: [{start: {s: 700, d: 0, v: 25}}]\nego:\n"), 16, "`id` is missing"),
+        (
+            ("ego:\n", "obstacles:\n" + "  - {id: box, s: 900, d: 4, length: 1, width: 1}\n" * 2 + "ego:\n"),
+            17,
+            "the id `box` stands twice",
+        ),
+    ],
+)
+def test_what_a_car_under_test_or_another_one_does_not_have_is_refused(
+    tmp_path: Path, change: tuple[str, str], line: int, part: str
+) -> None:
+    """The car under test drove against the road, and was compared with the others as if along it: none of them was ever ahead."""
+    with pytest.raises(TrackmarshalError, match=re.escape(part)) as caught:
+        generate(declared(tmp_path, change))
+    assert (caught.value.code, caught.value.line) == ("D151", line)
+
+
 BLUE = "others:\n  - id: blue\n    start: {s: 700, d: 0, v: 25}\n"
 
 

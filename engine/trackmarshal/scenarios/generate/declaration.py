@@ -119,8 +119,11 @@ def load(path: Path, shown: str) -> Declaration:
         )
     times = [round(i * step, 9) for i in range(count)]
     plan = fields["plan"].fields(("points", "horizon"))
-    ego = _driver(fields["ego"], vehicle, path.parent)
-    others = [_driver(other, vehicle, path.parent) for other in _list(fields, "others")]
+    ego = _driver(fields["ego"], vehicle, path.parent, (), ())
+    others = [
+        _driver(other, vehicle, path.parent, ("id",), ("oncoming", "silent"))
+        for other in _list(fields, "others")
+    ]
     ids = [other.id for other in others]
     for other in others:
         if ids.count(other.id) > 1:
@@ -140,6 +143,10 @@ def load(path: Path, shown: str) -> Declaration:
     params = fields["params"].any_fields() if "params" in fields else {}
     tables = fields["tables"].any_fields() if "tables" in fields else {}
     obstacles = [_obstacle(item) for item in _list(fields, "obstacles")]
+    standing = [obstacle.id for obstacle in obstacles]
+    for name, item in zip(standing, _list(fields, "obstacles")):
+        if standing.count(name) > 1:
+            raise item.wrong(f"the id `{name}` stands twice", "ids are unique")
     further = _further(fields, ego, others)
     truth = rule_truth.entries(list(_list(fields, "truth")))
     return Declaration(
@@ -213,10 +220,11 @@ def _list(fields: dict[str, Item], name: str) -> Iterator[Item]:
         yield from fields[name].items()
 
 
-def _driver(item: Item, vehicle: Vehicle, folder: Path) -> Driver:
-    fields = item.fields(
-        ("start",), ("id", "acceleration", "moves", "oncoming", "silent", "fields", "vehicle")
-    )
+def _driver(
+    item: Item, vehicle: Vehicle, folder: Path, needed: tuple[str, ...], optional: tuple[str, ...]
+) -> Driver:
+    """A car; what is needed and optional beside what every car has: the car under test has no id, comes no other way, and is always heard of."""
+    fields = item.fields((*needed, "start"), (*optional, "acceleration", "moves", "fields", "vehicle"))
     start = fields["start"].fields(("s", "d", "v"))
     return Driver(
         id=fields["id"].text() if "id" in fields else "ego",
