@@ -433,6 +433,36 @@ def test_what_a_car_under_test_or_another_one_does_not_have_is_refused(
     assert (caught.value.code, caught.value.line) == ("D151", line)
 
 
+#: A circuit of 160 m: two straights of 40 m and two bends.
+CIRCUIT = """format: trackmarshal-track
+version: 1
+name: circuit
+width: 12
+closed: true
+repeat: 2
+pieces: [{line: {length: 40}}, {arc: {radius: 12.732395447351628, angle: 180}}]
+"""
+
+
+@pytest.mark.parametrize("start", [5, 165, -155])
+@pytest.mark.parametrize("zone", ["[10, 30]", "[170, 190]", "[-150, -130]", "[150, 190]"])
+def test_a_zone_holds_on_every_lap(tmp_path: Path, start: float, zone: str) -> None:
+    """Of zones, places were compared as declared, and the truth of every cycle beyond the finish line was that nothing is too fast."""
+    text = "".join([
+        "format: trackmarshal-scenario\nversion: 1\nname: laps\ntrack: track.yaml\nduration: 0.2\nstep: 0.1\n", VEHICLE,
+        f"ego: {{start: {{s: {start}, d: 0, v: 6}}}}\nplan: {{points: 20, horizon: 2.5}}\n",
+        "emergency: {points: 20, deceleration: 10, grip_share: 0.95}\n",
+        f"limits: {{zones: [{{s: {zone}, d: [-6, 6], speed: 5}}]}}\n",
+    ])  # fmt: skip
+    (tmp_path / "scene.yaml").write_text(text)
+    (tmp_path / "track.yaml").write_text(CIRCUIT)
+    assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (False,) * 3
+    (tmp_path / "scene.yaml").write_text(text.replace("speed: 5", "speed: 6.5"))
+    assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (True,) * 3
+    (tmp_path / "scene.yaml").write_text(text.replace(zone, "[60, 70]"))
+    assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (True,) * 3
+
+
 BLUE = "others:\n  - id: blue\n    start: {s: 700, d: 0, v: 25}\n"
 
 

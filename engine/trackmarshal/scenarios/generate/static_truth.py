@@ -27,9 +27,12 @@ class Zone(NamedTuple):
     d: tuple[float, float]
     speed: float
 
-    def holds(self, s: float, d: float, grown: float) -> bool:
-        """Does it hold at this place, the zone being `grown` m wider on every side?"""
-        return self.s[0] - grown <= s <= self.s[1] + grown and self.d[0] - grown <= d <= self.d[1] + grown
+    def holds(self, s: float, d: float, grown: float, lap: float | None) -> bool:
+        """Does it hold at this place, the zone being `grown` m wider on every side? On a closed road, after so many m it does again."""
+        begin, end = self.s[0] - grown, self.s[1] + grown
+        if lap is not None:
+            s = begin + (s - begin) % lap
+        return begin <= s <= end and self.d[0] - grown <= d <= self.d[1] + grown
 
 
 class Scene(NamedTuple):
@@ -57,6 +60,7 @@ def static_truth(samples: Iterable[Plan], whole: Iterable[Plan], scene: Scene) -
 def _excesses(plan: Plan, scene: Scene, grown: float) -> Iterator[tuple[float, float]]:
     """By how much each demand of each sample is too much, and from where on that is clear."""
     vehicle, columns = scene.vehicle, plan.columns
+    lap = scene.road.length if scene.road.closed else None
     for i, place in enumerate(plan.places):
         v, a, kappa = columns["v"][i], columns["a"][i], columns["kappa"][i]
         for _, value, limit in vehicle.demands(v, a, kappa):
@@ -65,7 +69,7 @@ def _excesses(plan: Plan, scene: Scene, grown: float) -> Iterator[tuple[float, f
         if scene.speed is not None:
             yield v - scene.speed, CLEAR
         for zone in scene.zones:
-            if zone.holds(place.s, place.d, grown):
+            if zone.holds(place.s, place.d, grown, lap):
                 yield v - zone.speed, CLEAR
         right, left = scene.road.edges(place.s)
         _, side = vehicle.extents(place.tilt)
