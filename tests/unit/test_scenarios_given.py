@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -299,6 +300,24 @@ def test_a_truth_of_a_rule_that_the_spec_lacks_is_refused() -> None:
     assert status == 2
     assert "D256" in err
     assert "apart" in err
+
+
+@pytest.mark.parametrize(
+    ("about", "part"),
+    [
+        ("apart for bleu", "`rule apart for bleu`, and no cycle has `bleu`"),
+        ("no_rush of emergency", "`rule no_rush of emergency`, and no cycle has `emergency`"),
+    ],
+)
+def test_a_truth_about_what_is_in_no_cycle_is_refused(about: str, part: str) -> None:
+    """Nothing is ever against what is not there: the run was inside, and the rule was judged in every cycle."""
+    made = scene()
+    cycles = tuple(replace(one, candidates={"driving": one.candidates["driving"]}) for one in made.cycles)
+    truth = {f"rule {about}": (True,) * len(cycles)}
+    made = replace(made, cycles=cycles, ground_truth=truth, judged={})
+    with pytest.raises(TrackmarshalError, match=re.escape(part)) as caught:
+        replay(made, Evaluator(load(["town.spec"])))
+    assert caught.value.code == "D255"
 
 
 def test_a_rule_that_is_not_chosen_is_not_judged() -> None:

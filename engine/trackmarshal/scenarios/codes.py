@@ -144,7 +144,7 @@ CODES: dict[str, tuple[str, str]] = {
     "D255": (
         "a ground truth of a rule that cannot be used",
         "The truth about a single rule says when it has to fire (`unsafe`) and when it may (`free`), of a rule of the specs, of an object that is there, in "
-        "cycles that there are, and once.",
+        "cycles that there are, and once. In a recording, too, it is about objects and candidates that some cycle has.",
     ),
     "D256": (
         "a ground truth of a rule that the spec does not have",

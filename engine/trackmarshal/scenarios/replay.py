@@ -141,7 +141,7 @@ def replay(
     recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter, brief: bool = False,
     keep: bool = False,
 ) -> Replay:  # fmt: skip
-    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D256.
+    """Evaluate every candidate of every cycle; `watch` wraps the chunks of work (a progress bar). Raises D255 and D256.
 
     brief: what decided is looked for where a rule is against a candidate, and nowhere else. keep: what was seen and computed in each cycle
     is kept, for whoever explains it, or asks for the `whole`.
@@ -291,7 +291,7 @@ def _uncovered(recording: Recording, evaluator: Evaluator, declared: set[str]) -
 
 
 def _check_labels(recording: Recording, spec: Spec) -> None:
-    """Raise D256 for a truth about a rule that the spec does not have."""
+    """Raise D256 for a truth about a rule that the spec does not have, and D255 for one about an object or a candidate that no cycle has."""
     names = [rule.name for rule in spec.rules]
     for name in (*(each.rule for each in labels(recording).values()), *recording.judged):
         if name not in names:
@@ -302,6 +302,17 @@ def _check_labels(recording: Recording, spec: Spec) -> None:
                 file=recording.source,
                 help=f"{close_matches(name, names)} {help_}".strip(),
             )
+    objects = {each["id"] for cycle in recording.cycles for each in cycle.objects}
+    candidates = {name for cycle in recording.cycles for name in cycle.candidates}
+    for label in labels(recording).values():
+        for about, there in ((label.object, objects), (label.candidate, candidates)):
+            if about and about not in there:
+                raise TrackmarshalError(
+                    "D255",
+                    f"there is a ground truth `{label}`, and no cycle has `{about}`",
+                    file=recording.source,
+                    help=close_matches(about, there) or f"there: {', '.join(sorted(there)) or 'none'}",
+                )
 
 
 def intervals(times: Sequence[float], all_times: Sequence[float]) -> list[tuple[float, float]]:
