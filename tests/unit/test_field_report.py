@@ -319,6 +319,25 @@ def test_a_mapping_is_a_recording_too() -> None:
     assert found.value.code == "D151"
 
 
+@pytest.mark.parametrize(
+    ("said", "before"),
+    [
+        ('format: "trackmarshal-log-map"', b""),
+        ("format: 'trackmarshal-log-map'   # of the oval", b""),
+        ('"format":  trackmarshal-log-map', b""),
+        ("format: trackmarshal-log-map", b"\xef\xbb\xbf"),
+    ],
+)
+def test_a_mapping_is_known_however_yaml_writes_its_format(tmp_path: Path, said: str, before: bytes) -> None:
+    """`import log` reads it; as a recording, it was taken for a scenario with a wrong key. That its log is not here shows what it is."""
+    text = EXTRACT.read_text("utf-8").partition("\n")[2]
+    assert text.startswith("format: trackmarshal-log-map\n")
+    (tmp_path / "map.yaml").write_bytes(before + text.replace("format: trackmarshal-log-map", said).encode())
+    with pytest.raises(TrackmarshalError, match="this file of the mapping is not here") as found:
+        load_recording(tmp_path / "map.yaml")
+    assert found.value.code == "D178"
+
+
 def test_a_kept_run_is_of_what_the_mapping_alone_says(
     extract: tuple[Drive, Judgement], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

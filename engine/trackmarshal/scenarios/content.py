@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import codecs
 import gzip
 import io
+import re
 import zlib
 from pathlib import Path
 
@@ -45,10 +47,10 @@ def read(path: Path, shown: str, most: int | None = None, help_: str = "") -> by
 
 
 def is_of(data: bytes, format: str) -> bool:
-    """Whether a YAML text says of itself that it is of a format."""
-    return any(
-        line.split(b"#")[0].split() == [b"format:", format.encode()] for line in data.splitlines()[:200]
-    )
+    """Whether a YAML text says of itself that it is of a format, in quotes or not; a byte order mark may stand before it."""
+    said = re.compile(rb"""\s*(['"]?)format\1\s*:\s+(['"]?)%s\2\s*(\s#.*)?""" % re.escape(format.encode()))
+    lines = data.removeprefix(codecs.BOM_UTF8).splitlines()
+    return any(said.fullmatch(line) for line in lines[:200])
 
 
 def too_large(shown: str, what: str, most: int | None = None, help_: str = "") -> TrackmarshalError:
