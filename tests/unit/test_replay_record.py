@@ -21,6 +21,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
 from trackmarshal.scenarios import content
+from trackmarshal.scenarios.run_record import run_record
 
 #: Five cycles of a small spec, the third missing, with snapshots after two and four; written when rows did not say their places yet.
 OLD = Path(__file__).parent / "version_2.arrows.gz"
@@ -316,6 +317,30 @@ def test_each_cycle_of_a_record_has_the_obstacles_that_stood_there(tmp_path: Pat
     assert note == "its obstacles are not the same in all cycles; drawn are those of the first one"
     outcome = tm.replay(recording, tm.Evaluator(shipped(), ["obstacle_collision"]))
     assert [each.safe for each in outcome.cycles] == [True, True, False, True]
+
+
+def test_a_record_of_rules_about_no_track_is_evidence_too(tmp_path: Path) -> None:
+    """Its cycles have no borders: `assess` ended in an internal error (KeyError) where it drew the run."""
+    text = "module bare\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+    text += "signal ego : state { x: m, y: m, heading: rad, v: m/s }\nrule slow for all p in plan require p.v <= 50 m/s\n"
+    (tmp_path / "bare.spec").write_text(text, encoding="utf-8")
+    spec, now = tm.load([tmp_path / "bare.spec"]), 0.0
+    supervisor = tm.supervisor(spec, clock=lambda: now, record=tmp_path / "run.arrows")
+    for number in range(3):
+        now = number * PERIOD
+        given = cycle(number)
+        ego, driving, emergency = (
+            {name: each[name] for name in ("t", "x", "y", "heading", "v") if name in each}
+            for each in (given.signals["ego"], given.driving, given.emergency)
+        )
+        supervisor.step(tm.Cycle(number, given.t, driving, emergency, {"ego": ego}))
+    supervisor.close()
+    recording = tm.load_recording(tmp_path / "run.arrows")
+    assert (len(recording.cycles), recording.notes) == (3, ())
+    evaluator = tm.Evaluator(spec)
+    outcome = tm.replay(recording, evaluator)
+    assert outcome.met
+    assert run_record(outcome, evaluator)["track"] == {"left": [], "right": [], "closed": False}
 
 
 #: Speeds in other units than those of the SI, as a display has them: the record then keeps cycles as they came in.

@@ -231,6 +231,10 @@ def shown(frame: Frame) -> Frame:
     return frame
 
 
+#: The track of a run whose rules are about none.
+_NO_TRACK: Mapping[str, Any] = {"left": [], "right": [], "closed": False}
+
+
 def recording_of(data: bytes, name: str, shown: str) -> Recording:
     """The cycles of a run's record that passed the door, as a recording; raises D161, D162, or D130 where there are none.
 
@@ -246,12 +250,12 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
         if type(cycle) is not Cycle or one.value("faults") != "[]":
             continue
         signals = _plain(cycle.signals)
-        given, standing = signals.get("track") or {}, _elements(signals.get("obstacles"))
+        given, standing = signals.get("track") or _NO_TRACK, _elements(signals.get("obstacles"))
         if kept and given != track:
             notes.append(f"the track changes at {moment(cycle.t)} s; what follows is left out")
             break
         if not kept:
-            track, obstacles = given, standing
+            track, obstacles = dict(given), standing
         kept.append(
             RecordedCycle(
                 cycle.t,
