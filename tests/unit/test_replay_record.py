@@ -294,7 +294,10 @@ def test_another_spec_is_noted_and_its_differences_shown(
 def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
     recording = tm.load_recording(record)
     assert [c.t for c in recording.cycles] == [0.0, 0.1, 0.4]
-    assert recording.notes == ("2 of 5 cycles of the record are left out",)
+    assert recording.notes == (
+        "cycles are missing before the one at 0.4 s: rules over the run take those that are left for all that there were",
+        "2 of 5 cycles of the record are left out",
+    )
     assert recording.cycles[1].candidates["driving"]["x"] == cycle(1).driving["x"].tolist()
     assert recording.params == {"v_max": 30.0}
 

@@ -245,6 +245,8 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     track: dict[str, Any] = {}
     obstacles: list[dict[str, Any]] = []
     notes: list[str] = []
+    last: int | None = None
+    gaps: list[float] = []
     for one in run.cycles:
         cycle = one.cycle
         if type(cycle) is not Cycle or one.value("faults") != "[]":
@@ -256,6 +258,9 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             break
         if not kept:
             track, obstacles = dict(given), standing
+        if last is not None and cycle.number != last + 1:
+            gaps.append(cycle.t)
+        last = cycle.number
         kept.append(
             RecordedCycle(
                 cycle.t,
@@ -272,6 +277,11 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
         )
     if any(cycle.obstacles is not None for cycle in kept):
         notes.append("its obstacles are not the same in all cycles; drawn are those of the first one")
+    if gaps:
+        more = f", and before {len(gaps) - 1} later ones" if len(gaps) > 1 else ""
+        notes.append(
+            f"cycles are missing before the one at {moment(gaps[0])} s{more}: rules over the run take those that are left for all that there were"
+        )
     if run.damage:
         notes.append(run.damage)
     left_out = len(run.cycles) - len(kept)
