@@ -373,6 +373,9 @@ REFUSED: list[tuple[str, str, str, str]] = [
     ("{at: {0 s: false, 1.5 s: true}}", "{at: {0 s: false, 0.0 s: true}}", "D251", "does not come after"),
     ("{at: {0 s: false, 1.5 s: true}}", "{at: {0 s: false, 1500 ms: true}}", "D251", "`1500 ms` is no time"),
     ("{at: {0 s: false, 1.5 s: true}}", "{at: {}}", "D251", "the table is empty"),
+    # What no cycle has went unheard: it never rained.
+    ("{at: {0 s: false, 1.5 s: true}}", "{at: {0 s: false, 3.1 s: true}}", "D251", "no cycle has the value from 3.1 s on"),
+    ("{at: {0 s: false, 1.5 s: true}}", "{at: {0 s: false, 1.6 s: true, 1.9 s: false}}", "D251", "no cycle has the value from 1.6 s on"),
     ("{is: ego.v - o.v}", "{is: ego.v - o.w}", "D252", "no field `w`"),
     ("{is: ego.v - o.v}", "{is: gap(o)}", "D252", "the expression has no meaning"),
     ("{is: ego.v - o.v}", "{is: ego.v -}", "D252", "the expression has no meaning"),

@@ -124,7 +124,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D251": (
         "a table over time that cannot be read",
-        "A value over time is a table of times and values, `at: {0 s: green, 12 s: yellow}`: in order, and from 0 s on, so that there is a value in every cycle. "
+        "A value over time is a table of times and values, `at: {0 s: green, 12 s: yellow}`: in order, and from 0 s on, so that there is a value in every cycle; each row "
+        "is that of a cycle. "
         "Members that formulas give end with one that is there `otherwise`, for the same reason.",
     ),
     "D252": (

@@ -156,7 +156,7 @@ def _all(
     if given.members:
         return _members(specs, recording, given, field, alone)
     if not given.expression:
-        return [given.at(cycle.t) for cycle in recording.cycles]
+        return given.over([cycle.t for cycle in recording.cycles])
     if field is not None and (field.enumeration is not None or field.kind == "polyline"):
         what = "a member of an enumeration" if field.enumeration is not None else "a line"
         raise given.item.wrong(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,19 @@ class Given:
 
     def at(self, t: float) -> Any:
         """The value at a time [s] of the recording, of a table."""
-        return self.values[bisect_right(self.times, t + _SLACK) - 1]
+        return self.values[self._row(t)]
+
+    def _row(self, t: float) -> int:
+        return bisect_right(self.times, t + _SLACK) - 1
+
+    def over(self, times: Sequence[float]) -> list[Any]:
+        """The value at each time [s], of a table; raises D251 where a row holds at none of them: what it declares would never be."""
+        idle = set(range(len(self.times))) - {self._row(t) for t in times}
+        if idle:
+            message = f"no cycle has the value from {self.times[min(idle)]:g} s on"
+            help_ = f"cycles are from {times[0]:g} to {times[-1]:g} s: move the row, or leave it out"
+            raise self.item.wrong(message, help_, "D251")
+        return [self.at(t) for t in times]
 
 
 @dataclass(frozen=True, slots=True)
