@@ -320,6 +320,26 @@ def test_a_truth_about_what_is_in_no_cycle_is_refused(about: str, part: str) -> 
     assert caught.value.code == "D255"
 
 
+@pytest.mark.parametrize(
+    ("truth", "inside"),
+    [((True,) * 7, None), ((True, None) + (True,) * 5, None), ((True,) * 6 + (False,), False)],
+)
+def test_what_judges_none_of_the_rules_is_no_evidence(
+    truth: tuple[bool | None, ...], inside: bool | None
+) -> None:
+    """Of a spec without a rule about others, a truth about these was kept in all cycles, as in a run that was judged; one that asks for a rule is missed."""
+    made = replace(scene(), ground_truth={"dynamic": truth}, judged={})
+    outcome = replay(made, Evaluator(load(["town.spec"]), ["no_rush"]))
+    assert [(one.kind, one.inside) for one in outcome.truths] == (
+        [] if inside is None else [("dynamic", inside)]
+    )
+    assert outcome.met is (inside is None)
+    gone = replace(made.cycles[1], candidates={"driving": made.cycles[1].candidates["driving"]})
+    lacking = replace(made, cycles=(made.cycles[0], gone, *made.cycles[2:]))
+    unexpected = replay(lacking, Evaluator(load(["town.spec"]), ["no_rush"])).unexpected
+    assert unexpected == (() if truth[1] is None else (gone.t,))
+
+
 def test_a_rule_that_is_not_chosen_is_not_judged() -> None:
     scene()
     status, out, _ = run_command("replay", "scene.yaml", "--spec", "town.spec", "--rule", "apart", "--quiet")

@@ -185,12 +185,13 @@ Against = Mapping[str, Sequence[frozenset[str]]]
 def _truths(
     recording: Recording, cycles: Sequence[CycleOutcome], evaluator: Evaluator, against: Against
 ) -> Iterator[TruthOutcome]:
-    """What the rules said against each ground truth that says anything of a rule that was evaluated."""
+    """What the rules said against each ground truth that says anything of a rule that was evaluated, or asks for one: what is to be safe is so
+    without any rule, and that shows nothing."""
     judges = {rule.name: judged_by(rule, evaluator.spec, recording) for rule in evaluator.rules}
     by_name = bool(labels(recording) or recording.judged)
     for kind, truth in recording.ground_truth.items():
         names = [name for name, by in judges.items() if kind in by]
-        if all(value is None for value in truth) or (by_name and not names):
+        if _is_open(truth) or (not names and (by_name or False not in truth)):
             continue
         if kind in against:
             unsafe = [bool(found) for found in against[kind]]
@@ -203,6 +204,11 @@ def _truths(
         alarms = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is True and found)
         judged = sum(value is not None for value in truth)
         yield TruthOutcome(kind, missed, alarms, judged, tuple(names), tuple(unsafe))
+
+
+def _is_open(truth: Iterable[bool | None]) -> bool:
+    """Whether a ground truth says nothing."""
+    return all(value is None for value in truth)
 
 
 def _against(
@@ -256,6 +262,13 @@ def _unexpected(
     for name, label in labels(recording).items():
         if name in declared:
             own.setdefault(label.rule, []).append((name, label))
+    # Of the input contract, a kind speaks also where none of its rules is asked, unless single rules are spoken of by name.
+    by_name = bool(labels(recording) or recording.judged)
+    kinds = [
+        recording.ground_truth[kind]
+        for kind in TRUTHS
+        if kind in declared or not (by_name or _is_open(recording.ground_truth.get(kind, ())))
+    ]
     for number, cycle in enumerate(cycles):
         by_rule = any(one.unsafe and one.rule in open_ for one in _said_against(cycle))
         by_rule = by_rule or any(
@@ -270,7 +283,7 @@ def _unexpected(
         )
         lacking = len(cycle.results) < len(CANDIDATES) or cycle.faults
         by_input = lacking or any(result.faults for result in cycle.results.values())
-        may_be = any(recording.ground_truth[kind][number] is not True for kind in declared & set(TRUTHS))
+        may_be = any(truth[number] is not True for truth in kinds)
         if by_rule or (by_input and not may_be):
             yield cycle.t
 
