@@ -216,6 +216,24 @@ def test_with_its_noise_a_log_has_the_same_cycles(tmp_path: Path) -> None:
     assert "noise" in {rate.cause for rate in made.logged or []}
 
 
+def test_a_car_about_as_slow_as_noise_is_told_from_has_none(tmp_path: Path) -> None:
+    """At 3 m/s, its noise takes the speed over the bound and back: for more than ten seconds in all, and for none on end. Its noise was NaN."""
+    t = np.arange(600) / 10.0
+    log = {
+        "time": t,
+        "x": 0.0 * t,
+        "y": 3.0 * t,
+        "heading": 0.0 * t + np.pi / 2,
+        "v": 0.0 * t + 3.0,
+        "yaw": 0.0 * t,
+    }
+    log["v"] += 0.2 * np.where(np.arange(600) % 4 < 2, 1.0, -1.0)
+    where, file = field_logs.write(tmp_path, log)
+    with pytest.raises(TrackmarshalError, match="or not for seconds on end") as found:
+        build(mapping.read(where), file)
+    assert found.value.code == "D177"
+
+
 def test_a_drive_of_one_cycle(extract: tuple[Drive, Judgement]) -> None:
     """The times of rows are no whole microseconds, those of cycles are: between the first and the last cycle lay no row, an internal error."""
     drive, _ = extract

@@ -163,7 +163,7 @@ def _noise(mapping: Mapping, log: Log) -> Noise:
     try:
         return Noise(**mapping.noise)
     except TypeError:
-        message = f"the car is faster than {MEASURED:g} m/s for less than ten seconds: that tells nothing of its noise"
+        message = f"the car is faster than {MEASURED:g} m/s for less than ten seconds, or not for seconds on end: that tells nothing of its noise"
         help_ = "is the unit of time right, and that of the speed? Else declare all of `noise`: along, across, heading, speed, yaw_rate, jerk, lateral_jerk"
         raise TrackmarshalError("D177", message, file=mapping.source, help=help_) from None
 

@@ -41,7 +41,7 @@ class Noise:
 
 
 def estimate(log: Log) -> Noise | None:
-    """The noise of a log while the car moves; None where it does so for less than ten seconds.
+    """The noise of a log while the car moves; None where it does so for less than ten seconds, or not for seconds on end.
 
     Of white noise, the mean square of successive differences is twice the variance (von Neumann, Kent, Bellinson, Hart: The mean square
     successive difference, Annals of Mathematical Statistics 12(2), 1941), beside what the motion itself changes from sample to sample. The known part
@@ -79,6 +79,8 @@ def estimate(log: Log) -> Noise | None:
     # What adds up over a second is no noise of positions but an offset of the speed, and of the heading.
     starts = np.arange(0, len(along) - lag, lag)
     whole = [slice(i, i + lag) for i in starts if moving[i : i + lag].all()]
+    if not whole or not len(twice):
+        return None
     offsets = np.array([along[part].sum() / dt[part].sum() for part in whole])
     speed_all = np.hypot(speed, _offset(offsets, place[0]))
     asides = np.array([across[part].sum() / (mean_v[part] * dt[part]).sum() for part in whole])
