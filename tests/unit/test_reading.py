@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import re
 from pathlib import Path
 from typing import Any, get_args
 from xml.etree import ElementTree
@@ -324,6 +325,22 @@ def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path
         "A times 2 minus B is at most top (180 km/h) and condition C holds.",
         "Here, A is the speed of ego plus top; B is top minus the speed of ego; condition C is that either “wet” holds for ego or “blue flag” does not hold.",
     )
+
+
+def test_what_is_raised_to_a_power_is_said_apart(tmp_path: Path) -> None:
+    """`(-x)^4` and `-(x^4)`, `sqrt(x)^4` and `sqrt(x^4)`, `(x^4)^0.5` and `x^(4^0.5)`, `(3 m)^4` and `3 m^4` are not the same, and were said alike."""
+    powers = (
+        "(-kappa)^4", "-(kappa^4)", "sqrt(kappa)^4", "sqrt(kappa^4)", "abs(kappa)^4", "abs(kappa^4)", "pow(-2, 1.5)", "-pow(2, 1.5)", "(2^4)^0.5",
+        "2^(4^0.5)", "2 + 3^4", "(2 + 3)^4", "2 * 3^4", "(2 * 3)^4",
+    )  # fmt: skip
+    said = []
+    for power in powers:
+        rule, spec = rule_of(tmp_path, f'rule r "r"\n  require {power} * 1 <= {power} * 1\n')
+        told = " ".join(tell(rule, spec, ENGLISH).demand)
+        assert re.findall(r"(\S+)(?: \([^)]*\))? to the power of", told), told
+        assert not re.search(r"(minus|of|plus|times) \S+(?: \([^)]*\))? to the power of", told), told
+        said.append(told)
+    assert len(set(said)) == len(powers)
 
 
 def test_what_is_denied_ends_where_the_denial_does(tmp_path: Path) -> None:

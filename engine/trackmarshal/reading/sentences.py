@@ -18,8 +18,10 @@ from trackmarshal.reading.words import Words
 from trackmarshal.syntax import ast
 from trackmarshal.units import about, in_full
 
-#: How tightly phrases hold together: what is looser than its place asks for has a letter.
-LOOSE, LISTED, ADDED, MULTIPLIED, WHOLE = range(5)
+#: How tightly phrases hold together: what is looser than its place asks for has a letter. NAMED: a name or a plain number, which nothing can be taken apart of.
+LOOSE, LISTED, ADDED, MULTIPLIED, WHOLE, NAMED = range(6)
+#: Exponents whose powers are said before what is raised, "the square of A".
+_BEFORE = (2, 3)
 OPEN, ALTERNATIVES, TOGETHER, SINGLE = range(4)
 
 
@@ -80,17 +82,14 @@ class Sentences(Phrases):
     def _level(self, node: typed.Number) -> int:
         """How tightly the phrase of a number holds together."""
         match node:
-            case (
-                typed.Literally()
-                | typed.Pi()
-                | typed.Parameter()
-                | typed.Field()
-                | typed.NamedNumber()
-                | typed.Kept()
-            ):
+            case typed.Literally():
+                return WHOLE if node.unit else NAMED
+            case typed.Pi() | typed.Parameter() | typed.Field() | typed.NamedNumber() | typed.Kept():
+                return NAMED
+            case typed.OnLine() | typed.Negative():
                 return WHOLE
-            case typed.OnLine() | typed.Negative() | typed.Power():
-                return WHOLE
+            case typed.Power():  # "to the power of" stands last, where whatever is before it may be meant
+                return WHOLE if typed.whole_exponent(node.exponent) in _BEFORE else LISTED
             case typed.StationGap():
                 return LISTED
             case typed.CalledNumber() | typed.TableValue() | typed.Function():
@@ -119,10 +118,13 @@ class Sentences(Phrases):
                 return self._arithmetic(node)
             case typed.Power():
                 whole = typed.whole_exponent(node.exponent)
-                said = {2: words.square, 3: words.cube}.get(whole or 0, words.power)
-                return said.format(a=atom(node.base), b=atom(node.exponent))
+                if whole in _BEFORE:
+                    return (words.square if whole == 2 else words.cube).format(a=atom(node.base))
+                return words.power.format(a=self.number(node.base, NAMED), b=atom(node.exponent))
             case typed.Function():
-                arguments = [atom(one) for one in node.arguments]
+                # Of a power, what is raised is a name, or has a letter.
+                least = [NAMED if node.name == "pow" else WHOLE, *(WHOLE for _ in node.arguments[1:])]
+                arguments = [self.number(one, how) for one, how in zip(node.arguments, least, strict=True)]
                 if len(arguments) > 2:
                     return words.more[node.name].format(a=self.listed(arguments))
                 return words.functions[node.name].format(a=arguments[0], b=arguments[-1])
