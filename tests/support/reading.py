@@ -22,6 +22,7 @@ signal track : corridor { left: polyline, right: polyline }
 signal border : polyline
 event blue_flag "shown"
 param top : m/s = 180 km/h  in [0, 200]
+param s : s = 2 s
 param kappa : 1/m = 0.01 1/m
 zone pit = polygon (0 m, 0 m) (10 m, 0 m) (10 m, 5 m)
 line start = (0 m, 0 m) (0 m, 10 m)

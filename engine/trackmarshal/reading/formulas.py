@@ -58,7 +58,8 @@ class Formulas(Things):
         self._count(node)
         match node:
             case typed.Literally():
-                return at.Digits(node.text, node.unit), WHOLE
+                # The square of 2 m is no 2 m².
+                return at.Digits(node.text, node.unit), RAISED if node.unit else WHOLE
             case typed.Pi():
                 return at.Name("π"), WHOLE
             case typed.Parameter():

@@ -120,8 +120,10 @@ def _joined(one: at.Joined) -> str:
 
 
 def _enclosed(piece: Layout, shown: str) -> str:
-    """A part of a fraction or an exponent: in parentheses where it has parts."""
+    """A part of a fraction or an exponent: in parentheses where it has parts, as a number with a unit has: `(3 m)/s` is no speed."""
     match piece:
+        case at.Digits() if piece.unit:
+            return f"({shown})"
         case (
             at.Digits() | at.Name() | at.Word() | at.Index() | at.Power() | at.Root() | at.Fence() | at.Call()
         ):
