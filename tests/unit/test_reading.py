@@ -141,6 +141,22 @@ def test_one_sign_is_one_thing() -> None:
     assert heads["half_extent"] == "half_extent(length′, width′, angle)"
 
 
+@pytest.mark.parametrize(
+    ("declared", "before", "condition", "shown"),
+    [
+        ("param v_ego : m/s = 3 m/s\n", "", "ego.v <= v_ego", "v_ego ≤ made.v_ego"),
+        ("param v_ego : m/s = 3 m/s\n", "", "v_ego <= ego.v", "v_ego ≤ ego.v"),
+        ("", "  let v_ego = max(ego.v, 0 m/s)\n", "v_ego <= top", "v_ego′ ≤ top"),
+    ],
+)
+def test_a_field_and_a_name_that_look_the_same_are_told_apart(
+    declared: str, before: str, condition: str, shown: str, tmp_path: Path
+) -> None:
+    """`v_ego ≤ v_ego` says nothing, and was what a rule on `ego.v` and the parameter `v_ego` was shown as."""
+    rule, spec = rule_of(tmp_path, f'{declared}rule r "r"\n{before}  require {condition}\n')
+    assert text(read(rule, spec).clauses[-1].formula) == shown
+
+
 def test_a_formula_of_300_signs_has_lines(tmp_path: Path) -> None:
     terms = " + ".join(f"plan.first.v^2 / ({k} m/s + abs(ego.v - {k} m/s))" for k in range(1, 60))
     rule, spec = rule_of(tmp_path, f'rule r "r"\n  require sqrt(({terms}) * top) <= top and ego.v < top\n')

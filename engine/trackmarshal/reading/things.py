@@ -8,7 +8,6 @@ from typing import assert_never
 from trackmarshal import typed
 from trackmarshal.reading import layout as at
 from trackmarshal.reading.layout import Layout
-from trackmarshal.reading.names import layout
 from trackmarshal.reading.scope import Scope
 
 
@@ -21,10 +20,7 @@ class Things(Scope):
 
     def field(self, record: typed.Record, name: str) -> Layout:
         """`v` of `p`, with the record as its index."""
-        of = layout(name)
-        if isinstance(of, at.Index):  # one index, not an index of an index
-            return at.Index(of.base, at.Row((of.index, at.Sign(","), self.record(record))))
-        return at.Index(of, self.record(record))
+        return self.names.field(self.record(record), name)
 
     def signal(self, node: typed.WholeSignal) -> Layout:
         match node:
