@@ -346,6 +346,30 @@ def test_sentences_say_what_could_be_heard_in_two_ways_by_letters(tmp_path: Path
     )
 
 
+@pytest.mark.parametrize(
+    ("declared", "condition"),
+    [
+        ("line A = (0 m, 0 m) (0 m, 9 m)\n", "distance_to(plan.last, A) <= {apart}"),
+        ("zone A = polygon (0 m, 0 m) (9 m, 0 m) (9 m, 9 m)\n", "plan.last in zone A and 1 m <= {apart}"),
+        ("enum class { A, B }\nsignal who : state { class: class }\n", "who.class is A or 1 m <= {apart}"),
+        (
+            "enum class { A, B }\nsignal who : state { class: class }\n",
+            "(case who.class { A: {apart}, B: 2 m }) <= 1 m",
+        ),
+        ("signal A : state { x: m }\n", "A.x <= {apart}"),
+        ("stretch A on border = 0 m to 9 m\n", "plan.last in stretch A and 1 m <= {apart}"),
+        ("param A : shared = { x: 1 m }\nshape shared = { x: m }\n", "A.x <= {apart}"),
+    ],
+)
+def test_a_letter_is_nothing_that_has_a_name(declared: str, condition: str, tmp_path: Path) -> None:
+    """ "The distance from ego to A is at most the square root of A" was said of a line A."""
+    demand = condition.replace("{apart}", "2 * (plan.last.x + 1 m)")
+    rule, spec = rule_of(tmp_path, f'{declared}rule r "r"\n  require {demand}\n')
+    told = tell(rule, spec, ENGLISH)
+    whole = " ".join((*told.demand, *told.definitions))
+    assert not re.search(r"\b(condition )?A is (that|x|the x-coordinate|A|1|2)", whole), whole
+
+
 def test_what_is_raised_to_a_power_is_said_apart(tmp_path: Path) -> None:
     """`(-x)^4` and `-(x^4)`, `sqrt(x)^4` and `sqrt(x^4)`, `(x^4)^0.5` and `x^(4^0.5)`, `(3 m)^4` and `3 m^4` are not the same, and were said alike."""
     powers = (

@@ -31,22 +31,15 @@ def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
 
 
 def _names(reached: Sequence[typed.Typed]) -> Iterator[str]:
-    """All that an author called by a name."""
+    """All that an author called by a name: in the rule, in what it calls, and in the input."""
     for node in reached:
-        match node:
-            case (
-                typed.Parameter()
-                | typed.CalledNumber()
-                | typed.CalledFormula()
-                | typed.TableValue()
-                | typed.Event()
-                | typed.Machine()
-            ):
-                yield node.symbol.name
-            case typed.Variable() | typed.Field() | typed.Let():
-                yield node.name
-            case _:
-                yield str(node.__dict__.get("name", ""))
+        held = node.__dict__
+        yield str(held.get("name", ""))
+        yield from (*held.get("names", ()), *held.get("members", ()))
+        if held.get("signal") is not None:
+            yield held["signal"].name
+        if held.get("symbol") is not None:
+            yield from held["symbol"].qualified.split(".")  # of a record of parameters, its own name too
 
 
 def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
