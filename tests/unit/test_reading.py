@@ -416,6 +416,18 @@ def test_a_deadline_is_told_where_it_is_one_for_each_that_a_quantifier_ranges_ov
     ]
 
 
+def test_of_which_quantifier_another_one_is_a_part_is_said(tmp_path: Path) -> None:
+    """ "There is at least one sample p of plan, for every o in objects: .." was heard of a sample for each o."""
+    rule, spec = rule_of(
+        tmp_path,
+        'rule r "r"\n  whenever blue_flag\n  exists p in plan\n  for all o in objects where o.x > 0 m\n  require p.v <= o.v\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand == (
+        "Whenever “blue flag” holds, there is at least one sample p of plan, such that for every o in objects for which "
+        "the x-coordinate of o is greater than 0 m: the speed of p is at most the speed of o.",
+    )
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

@@ -59,7 +59,11 @@ def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
             case typed.Deadline():
                 deadline = words.deadline.format(a=said.number(clause.limit, ADDED))
             case typed.ForEach():
-                heads.append(said.quantifier(clause.quantifier, clause.range, clause.where, clause.by))
+                ranged = said.quantifier(clause.quantifier, clause.range, clause.where, clause.by)
+                if existing:  # else it would be heard of another one for each that follows
+                    ranged = words.existing.format(a=words.comma.join(heads), b=ranged)
+                    heads.clear()
+                heads.append(ranged)
                 existing = clause.quantifier == "exists"
             case typed.Except():
                 heads.append(
