@@ -428,6 +428,35 @@ def test_of_which_quantifier_another_one_is_a_part_is_said(tmp_path: Path) -> No
     )
 
 
+@pytest.mark.parametrize(
+    ("quantifier", "said"),
+    [
+        (
+            "for all o in objects",
+            "For every o in objects, except where the speed of o is less than 1 m/s (parked): the",
+        ),
+        (
+            "for nearest o in objects by o.x where o.y > 0 m",
+            "For that one o in objects of which the x-coordinate of o is least, of those for which the y-coordinate of o is greater than 0 m, "
+            "leaving out those for which the speed of o is less than 1 m/s (parked): the",
+        ),
+        (
+            "exists o in objects",
+            "There is at least one o in objects, leaving out those for which the speed of o is less than 1 m/s (parked), such that the",
+        ),
+    ],
+)
+def test_what_is_left_out_is_not_the_nearest_and_not_found(
+    quantifier: str, said: str, tmp_path: Path
+) -> None:
+    """ "That one of which the distance is least, except where it is parked" was heard to demand nothing beside a parked one, and "at least one, except where" too."""
+    rule, spec = rule_of(
+        tmp_path, f'rule r "r"\n  {quantifier}\n  except o.v < 1 m/s "parked"\n  require o.x >= 5 m\n'
+    )
+    (sentence,) = tell(rule, spec, ENGLISH).demand
+    assert sentence == f"{said} x-coordinate of o is at least 5 m."
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

@@ -66,9 +66,9 @@ def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
                 heads.append(ranged)
                 existing = clause.quantifier == "exists"
             case typed.Except():
-                heads.append(
-                    words.except_why.format(a=said.formula(clause.condition, SINGLE), b=clause.reason)
-                )
+                every = clause.of.quantifier == "for all" and clause.of.by is None
+                why = words.except_why if every else words.leaving_out
+                heads.append(why.format(a=said.formula(clause.condition, SINGLE), b=clause.reason))
             case typed.Let():
                 meant.append(_let(clause, said))
             case typed.Require():

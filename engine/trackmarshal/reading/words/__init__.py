@@ -105,7 +105,9 @@ class Words(Node):
     judged: Mapping[JudgedAt, str]
     whenever: str
     deadline: str
+    #: What an `except` leaves out of all, and of those of which there has to be one, or of which one is nearest.
     except_why: str
+    leaving_out: str
     colon: str
     here: str
     is_: str

@@ -79,7 +79,7 @@ ENGLISH = Words(
     },
     judged={"first": "at the first sample", "now": "at the sample that is now", "last": "at the last sample"},
     whenever="whenever {a}", deadline="within {a} at the latest",
-    except_why="except where {a} ({b})",
+    except_why="except where {a} ({b})", leaving_out="leaving out those for which {a} ({b})",
     colon="{a}: {b}", here="Here, {a}.", is_="{a} is {b}", if_="condition {a} is that {b}", when="{a} exactly when {b}", event="“{a}” is to say: {b}.",
     starts="The {a} is one of {b}; it starts as “{c}”.", bridges="Where cycles are missing for up to {a}, it stays as it was.", becomes="It becomes “{a}” from {b} when {c}.", remembers="Then {a} is remembered as {b}.",
     solved="For {a}: the rule holds exactly as long as the following is so, wherever the rule applies and both sides are real numbers. The reference evaluator says the same on {n} inputs, with the parameters in force. All numbers in it are in SI units.",
