@@ -303,7 +303,7 @@ def test_whatever_is_no_node_is_refused(tmp_path: Path) -> None:
     formula: Any = OtherFormula()
     for refuse in (
         lambda: Formulas().number(number), lambda: Formulas().formula(formula),
-        lambda: Sentences(ENGLISH, {}, frozenset()).number(number), lambda: Sentences(ENGLISH, {}, frozenset()).formula(formula),
+        lambda: Sentences(ENGLISH, {}, frozenset(), frozenset()).number(number), lambda: Sentences(ENGLISH, {}, frozenset(), frozenset()).formula(formula),
         lambda: mathml.element(number), lambda: typst.content(number), lambda: terminal.text(number), lambda: broad(number),
     ):  # fmt: skip
         with pytest.raises((AssertionError, AttributeError)):
@@ -455,6 +455,32 @@ def test_what_is_left_out_is_not_the_nearest_and_not_found(
     )
     (sentence,) = tell(rule, spec, ENGLISH).demand
     assert sentence == f"{said} x-coordinate of o is at least 5 m."
+
+
+def test_what_has_one_name_in_two_modules_is_told_apart_in_words(tmp_path: Path) -> None:
+    """A rule sees one of both; the other one comes with what it calls, and "g" and "the gap of x" were said of both."""
+    (tmp_path / "low.spec").write_text(
+        "module low\nparam g : m/s^2 = 9.81 m/s^2\ndefine gap(x: m) -> m = x + 1 m\n"
+        "predicate fine(v: m/s, x: m) = v^2 / g <= gap(x)\n",
+        "utf-8",
+    )
+    (tmp_path / "mid.spec").write_text(
+        "module mid\nuse low\npredicate okay(v: m/s, x: m) = fine(v, x)\n", "utf-8"
+    )
+    head = "module made\nuse mid\nsignal ego : state { x: m, v: m/s }\nparam g : m/s^2 = 1.62 m/s^2\ndefine gap(x: m) -> m = x - 1 m\n"
+    rule, spec = rule_of(
+        tmp_path, 'rule r "r"\n  require okay(ego.v, ego.x) and ego.v^2 / g <= gap(ego.x)\n', head
+    )
+    told = tell(rule, spec, ENGLISH)
+    assert told.demand == (
+        "“okay” holds for the speed of ego and the x-coordinate of ego and the square of the speed of ego divided by made.g (1.62 m/s^2) "
+        "is at most the made.gap of the x-coordinate of ego.",
+    )
+    assert told.definitions[1:] == (
+        "“fine” holds for v and x exactly when the square of v divided by low.g (9.81 m/s^2) is at most the low.gap of x.",
+        "The low.gap of x is x plus 1 m.",
+        "The made.gap of x is x minus 1 m.",
+    )
 
 
 #: How a table is read, its rows, and what stands of that in front of them.

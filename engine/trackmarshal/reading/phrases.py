@@ -12,10 +12,18 @@ from trackmarshal.syntax import ast
 
 
 class Phrases:
-    """Phrases for the things of one rule. What an author named is called by that name."""
+    """Phrases for the things of one rule. What an author named is called by that name.
 
-    def __init__(self, words: Words) -> None:
+    shared: names of several things, in modules that do not see each other.
+    """
+
+    def __init__(self, words: Words, shared: frozenset[str]) -> None:
         self.words = words
+        self._shared = shared
+
+    def short(self, symbol: typed.Symbol) -> str:
+        """A declared name without its module, or with it where the rule knows another thing by that name."""
+        return symbol.qualified if symbol.name in self._shared else symbol.name
 
     @abstractmethod
     def atom(self, node: typed.Number) -> str:
@@ -43,7 +51,7 @@ class Phrases:
             case typed.State():
                 return plain(node.signal.name)
             case typed.ParameterRecord():
-                return called(node.symbol.name)
+                return called(self.short(node.symbol))
             case typed.Sample():
                 which = self.words.first if node.index == 0 else self.words.last_sample
                 return which.format(a=self.signal(node.of))
@@ -70,7 +78,7 @@ class Phrases:
     def line(self, node: typed.Line) -> str:
         match node:
             case typed.PlacedLine():
-                return called(node.symbol.name)
+                return called(self.short(node.symbol))
             case typed.SignalLine():
                 return called(node.signal.name)
             case typed.Border():
@@ -91,7 +99,7 @@ class Phrases:
     def area(self, node: typed.Area) -> str:
         match node:
             case typed.Zone():
-                return called(node.symbol.name)
+                return called(self.short(node.symbol))
             case typed.Corridor():
                 return self.signal(node.of)
             case typed.Lane():
@@ -132,11 +140,11 @@ class Phrases:
     def machine(self, node: typed.Machine) -> str:
         """`the role of o`."""
         if node.element is None:
-            return called(node.symbol.name)
+            return called(self.short(node.symbol))
         element = node.element
         if isinstance(element, typed.NamedRecord) and element.value is not None:
             element = element.value
-        return self.words.machine.format(a=called(node.symbol.name), b=self.record(element))
+        return self.words.machine.format(a=called(self.short(node.symbol)), b=self.record(element))
 
     def ranged(self, range_: typed.Range) -> str:
         """`sample p of plan`, `two consecutive samples p and q of plan`, `o in objects`."""

@@ -26,10 +26,12 @@ OPEN, ALTERNATIVES, TOGETHER, SINGLE = range(4)
 
 
 class Sentences(Phrases):
-    """Sentences of one rule. params: values in force; taken: names that are no letters for numbers."""
+    """Sentences of one rule. params: values in force; taken: names that are no letters for numbers; shared: names of several things."""
 
-    def __init__(self, words: Words, params: Mapping[str, ParamInfo], taken: frozenset[str]) -> None:
-        super().__init__(words)
+    def __init__(
+        self, words: Words, params: Mapping[str, ParamInfo], taken: frozenset[str], shared: frozenset[str]
+    ) -> None:
+        super().__init__(words, shared)
         self._params = params
         self._free: list[str] = []
         self._more = (one for one in _letters() if one not in taken)  # most rules take a few of thousands
@@ -135,7 +137,7 @@ class Sentences(Phrases):
                 return self._case(node.subject, branches)
             case typed.TableValue():
                 placed = self.listed([atom(one) for one in node.arguments])
-                return words.table.format(a=called(node.symbol.name), b=placed)
+                return words.table.format(a=called(self.short(node.symbol)), b=placed)
             case typed.OnLine():
                 return self._on_line(node)
             case typed.StationGap():
@@ -159,7 +161,8 @@ class Sentences(Phrases):
     def _parameter(self, node: typed.Parameter) -> str:
         """With its value where it is said first."""
         info = self._params[node.symbol.qualified]
-        name = info.short if info.record else called(info.short)
+        short = info.name if info.short in self._shared else info.short
+        name = short if info.record else called(short)
         if info.name in self._said:
             return name
         self._said.add(info.name)
@@ -225,7 +228,7 @@ class Sentences(Phrases):
         )
 
     def _called(self, node: typed.CalledNumber) -> str:
-        name = called(node.symbol.name)
+        name = called(self.short(node.symbol))
         if not parameters_of(node.symbol):
             return name
         given = [self.value(one) for one in node.arguments]
@@ -321,7 +324,7 @@ class Sentences(Phrases):
         words = self.words
         match node:
             case typed.Event():
-                return words.holds[deny].format(a=plain(node.symbol.name))
+                return words.holds[deny].format(a=plain(self.short(node.symbol)))
             case typed.BooleanField():
                 return words.holds_for[deny].format(a=plain(node.name), b=self.record(node.record))
             case typed.Comparison():
@@ -329,7 +332,7 @@ class Sentences(Phrases):
             case typed.Within():
                 return self._between(node.value, node.lower, node.upper, deny)
             case typed.InZone():
-                return words.in_zone[deny].format(a=self.record(node.point), b=node.zone.symbol.name)
+                return words.in_zone[deny].format(a=self.record(node.point), b=self.short(node.zone.symbol))
             case typed.InStretch():
                 place = (
                     self.record(node.place)
@@ -371,7 +374,7 @@ class Sentences(Phrases):
         return self.words.within[deny].format(a=self.number(value, LISTED), **ends)
 
     def _holds(self, node: typed.CalledFormula, deny: bool) -> str:
-        name = plain(node.symbol.name)
+        name = plain(self.short(node.symbol))
         if not parameters_of(node.symbol):
             return self.words.holds[deny].format(a=name)
         return self.words.holds_for[deny].format(
@@ -380,7 +383,7 @@ class Sentences(Phrases):
 
     def _stretch(self, node: typed.InStretch) -> str:
         if node.symbol is not None:
-            return node.symbol.name
+            return self.short(node.symbol)
         ends = self.atom(node.start), self.atom(node.end)
         return self.words.between_stations.format(a=self.line(node.line), b=ends[0], c=ends[1])
 

@@ -25,7 +25,7 @@ def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
     """A rule with a condition, in words."""
     assert rule.typed is not None, "a rule without a condition says nothing"
     reached = list(typed.below(rule.typed))
-    said = Sentences(words, spec.params, frozenset(_names(reached)))
+    said = Sentences(words, spec.params, frozenset(_names(reached)), _shared(reached, spec))
     demand = tuple(_demand(rule.typed, said))
     return Told(demand, (*_events(reached, said), *_definitions(reached, said), *_machines(reached, said)))
 
@@ -40,6 +40,17 @@ def _names(reached: Sequence[typed.Typed]) -> Iterator[str]:
             yield held["signal"].name
         if held.get("symbol") is not None:
             yield from held["symbol"].qualified.split(".")  # of a record of parameters, its own name too
+
+
+def _shared(reached: Sequence[typed.Typed], spec: Spec) -> frozenset[str]:
+    """The names by which several things go: each by its own in its module, and in the rule only through what it calls."""
+    things: dict[str, set[str]] = {}
+    for node in reached:
+        symbol = node.__dict__.get("symbol")
+        if symbol is not None:
+            known = spec.params.get(symbol.qualified)
+            things.setdefault(known.short if known else symbol.name, set()).add(symbol.qualified)
+    return frozenset(name for name, meant in things.items() if len(meant) > 1)
 
 
 def _demand(rule: typed.Rule, said: Sentences) -> Iterator[str]:
@@ -113,11 +124,11 @@ def _definitions(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[st
         seen.add(node.symbol.qualified)
         given = parameters_of(node.symbol)
         if isinstance(node, typed.CalledNumber):
-            name = called(node.symbol.name)
+            name = called(said.short(node.symbol))
             head = words.of.format(a=name, b=said.listed(given)) if given else name
             text = words.is_.format(a=head, b=said.number(node.body))
         else:
-            name = plain(node.symbol.name)
+            name = plain(said.short(node.symbol))
             head = (
                 words.holds_for[0].format(a=name, b=said.listed(given))
                 if given
@@ -142,7 +153,7 @@ def _events(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
             seen.add(node.symbol.qualified)
             assert isinstance(node.symbol.item, ast.Event)
             if node.symbol.item.text:
-                yield said.words.event.format(a=plain(node.symbol.name), b=node.symbol.item.text)
+                yield said.words.event.format(a=plain(said.short(node.symbol)), b=node.symbol.item.text)
 
 
 def _machines(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
