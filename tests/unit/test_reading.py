@@ -483,6 +483,52 @@ def test_what_has_one_name_in_two_modules_is_told_apart_in_words(tmp_path: Path)
     )
 
 
+def test_two_sides_of_if_and_only_if_hold_together(tmp_path: Path) -> None:
+    """ "A and b if and only if c" is heard of `a and (b iff c)` too."""
+    said = set()
+    for condition in ("(ego.wet and blue_flag) iff ego.v < top", "ego.wet and (blue_flag iff ego.v < top)"):
+        rule, spec = rule_of(tmp_path, f'rule r "r"\n  require {condition}\n')
+        said.add(tell(rule, spec, ENGLISH).demand[0])
+    assert said == {
+        "Condition A holds if and only if the speed of ego is less than top (180 km/h).",
+        "“wet” holds for ego and condition A holds.",
+    }
+
+
+@pytest.mark.parametrize(
+    ("along", "condition", "said"),
+    [
+        (
+            "",
+            "3 >= count(ego.wet, reset: blue_flag) and ego.v < top",
+            "The number of times up to now at which “wet” holds for ego, counted since last “blue flag” holds, is at most 3 and the speed of ego",
+        ),
+        (
+            "  along plan as p\n",
+            "count(p.hot) < 2",
+            "At the first sample p of plan: the number of times up to now at which “hot” holds for p is less than 2.",
+        ),
+        (
+            "  along plan as p\n",
+            "p.hot until p.v < top",
+            "At the first sample p of plan: “hot” holds for p, until, at some time from now on, the speed of p",
+        ),
+        (
+            "  along plan as p at last\n",
+            "p.hot since p.v < top",
+            "At the last sample p of plan: “hot” holds for p, ever since, at some time up to now, the speed of p",
+        ),
+    ],
+)
+def test_what_is_counted_and_what_has_to_come_is_said(
+    along: str, condition: str, said: str, tmp_path: Path
+) -> None:
+    """A count is that of times up to now, and none of the whole timeline; `until` is violated where what ends it never comes."""
+    rule, spec = rule_of(tmp_path, f'rule r "r"\n{along}  require {condition}\n')
+    sentence = tell(rule, spec, ENGLISH).demand[0]
+    assert sentence.startswith(said), sentence
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

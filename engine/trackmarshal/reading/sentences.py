@@ -20,6 +20,8 @@ from trackmarshal.units import about, in_full
 
 #: How tightly phrases hold together: what is looser than its place asks for has a letter. NAMED: a name or a plain number, which nothing can be taken apart of.
 LOOSE, LISTED, ADDED, MULTIPLIED, WHOLE, NAMED = range(6)
+#: Comparisons as they are with their sides exchanged.
+_TURNED: dict[typed.Comparing, typed.Comparing] = {"<": ">", "<=": ">=", ">": "<", ">=": "<=", "==": "==", "!=": "!="}  # fmt: skip
 #: Exponents whose powers are said before what is raised, "the square of A".
 _BEFORE = (2, 3)
 OPEN, ALTERNATIVES, TOGETHER, SINGLE = range(4)
@@ -351,9 +353,10 @@ class Sentences(Phrases):
             case typed.InState():
                 return words.in_state[deny].format(a=self.machine(node.machine), b=plain(node.state))
             case typed.CountComparison():
-                counted, limit = self._counted(node.count), self.number(node.limit, LISTED)
-                left, right = (limit, counted) if node.turned else (counted, limit)
-                return f"{left} {words.comparisons[node.op][deny]} {right}"
+                # What is counted stands first: it ends in a comma, which what follows would be taken to belong to.
+                op = _TURNED[node.op] if node.turned else node.op
+                limit = self.number(node.limit, LISTED)
+                return f"{self._counted(node.count)} {words.comparisons[op][deny]} {limit}"
             case typed.CalledFormula():
                 return self._holds(node, deny)
             case typed.NamedFormula():
@@ -396,12 +399,13 @@ class Sentences(Phrases):
                 *others, last = [self.formula(one, SINGLE) for one in _same(node, "or")]
                 said = f" {words.joined['or']} "
                 return words.either.format(a=said.join([*others, last]))
-            case "implies" | "iff":
+            case "implies":
                 left, right = self.formula(node.left, TOGETHER), self.formula(node.right, TOGETHER)
                 return words.joined[node.op].format(a=left, b=right)
-            case "xor":
+            case "iff" | "xor":  # `a and b iff c` has nothing before it that would hold `a and b` together
                 left, right = self.formula(node.left, SINGLE), self.formula(node.right, SINGLE)
-                return words.but_not_both.format(a=words.joined[node.op].format(a=left, b=right))
+                said = words.joined[node.op].format(a=left, b=right)
+                return said if node.op == "iff" else words.but_not_both.format(a=said)
             case _:
                 assert_never(node.op)
 
