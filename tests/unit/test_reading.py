@@ -529,6 +529,25 @@ def test_what_is_counted_and_what_has_to_come_is_said(
     assert sentence.startswith(said), sentence
 
 
+def test_where_a_stretch_lies_is_shown(tmp_path: Path) -> None:
+    """A name alone does not say where a rule applies, and nothing else of what a reader is shown does."""
+    rule, spec = rule_of(
+        tmp_path,
+        "param braking : m = 4900 m\nstretch chicane on track = braking to 120 m\n"
+        'rule r "r"\n  whenever ego in stretch chicane\n  require ego.v <= top\n',
+    )
+    made = sheet(rule, spec)
+    assert "chicane = stretch(track, braking, 120 m)" in map(str.strip, in_text(made))
+    assert [one["text"] for one in data(made)["formula"]["definitions"]] == [
+        "chicane = stretch(track, braking, 120 m)"
+    ]
+    assert tell(rule, spec, ENGLISH).definitions == (
+        "The stretch chicane is the one of the centre line of track from braking (4900 m) to 120 m.",
+    )
+    whenever, _ = read(rule, spec, None, True).clauses
+    assert text(whenever.formula) == "ego ∈ stretch(track, braking, 120 m)"
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

@@ -382,8 +382,12 @@ class Formulas(Things):
         return self.record(node) if isinstance(node, typed.RecordNode) else self.number(node, SUM)
 
     def _stretch(self, node: typed.InStretch) -> Layout:
-        if node.symbol is not None:
+        if node.symbol is not None and not self.expand:
             return at.Row((at.Word("stretch "), self.named("place", node.symbol)))
+        return self.ends(node)
+
+    def ends(self, node: typed.InStretch) -> Layout:
+        """`stretch(track, 4900 m, 120 m)`, also of one that goes by a name."""
         ends = self.number(node.start), self.number(node.end)
         return at.Call(at.Word("stretch"), (self.line(node.line), *ends))
 

@@ -136,9 +136,16 @@ def _equal(head: Layout, body: Layout, value: typed.Value) -> Layout:
 
 
 def _definitions(reached: list[typed.Typed], writing: Formulas) -> Iterator[Definition]:
-    """Each definition once, in the order in which they are come upon."""
+    """Each definition and each stretch that has a name once, in the order in which they are come upon."""
     seen = set()
     for node in reached:
+        if (
+            isinstance(node, typed.InStretch)
+            and node.symbol is not None
+            and node.symbol.qualified not in seen
+        ):
+            seen.add(node.symbol.qualified)
+            yield Definition(node.symbol, writing.named("place", node.symbol), "=", writing.ends(node))
         if not isinstance(node, typed.CalledNumber | typed.CalledFormula) or node.symbol.qualified in seen:
             continue
         seen.add(node.symbol.qualified)

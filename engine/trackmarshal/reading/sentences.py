@@ -387,6 +387,10 @@ class Sentences(Phrases):
     def _stretch(self, node: typed.InStretch) -> str:
         if node.symbol is not None:
             return self.short(node.symbol)
+        return self.ends(node)
+
+    def ends(self, node: typed.InStretch) -> str:
+        """`of the centre line of track from 4900 m to 120 m`, also of one that goes by a name."""
         ends = self.atom(node.start), self.atom(node.end)
         return self.words.between_stations.format(a=self.line(node.line), b=ends[0], c=ends[1])
 

@@ -119,6 +119,14 @@ def _definitions(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[st
     seen = set()
     words = said.words
     for node in reached:
+        if (
+            isinstance(node, typed.InStretch)
+            and node.symbol is not None
+            and node.symbol.qualified not in seen
+        ):
+            seen.add(node.symbol.qualified)
+            text = words.stretch.format(a=said.short(node.symbol), b=said.ends(node))
+            yield _with_meanings(_sentence(text), said)
         if not isinstance(node, typed.CalledNumber | typed.CalledFormula) or node.symbol.qualified in seen:
             continue
         seen.add(node.symbol.qualified)

@@ -59,6 +59,8 @@ class Words(Node):
     in_zone: tuple[str, str]
     in_stretch: tuple[str, str]
     between_stations: str
+    #: What a stretch that has a name is one of.
+    stretch: str
     inside: tuple[str, str]
     meets: tuple[str, str]
     clear_of: tuple[str, str]

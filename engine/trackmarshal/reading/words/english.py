@@ -40,7 +40,7 @@ ENGLISH = Words(
     within=("{a} lies between {b} and {c}, both included", "{a} does not lie between {b} and {c}, both included"),
     in_zone=("{a} lies in the zone {b}", "{a} does not lie in the zone {b}"),
     in_stretch=("{a} lies in the stretch {b}", "{a} does not lie in the stretch {b}"),
-    between_stations="of {a} from {b} to {c}",
+    between_stations="of {a} from {b} to {c}", stretch="the stretch {a} is the one {b}",
     inside=("{a} lies inside {b}", "{a} does not lie inside {b}"),
     meets=("{a} has a point in common with {b}", "{a} has no point in common with {b}"),
     clear_of=("{a} does not run into {b}", "{a} runs into {b}"),
