@@ -548,6 +548,20 @@ def test_where_a_stretch_lies_is_shown(tmp_path: Path) -> None:
     assert text(whenever.formula) == "ego ∈ stretch(track, braking, 120 m)"
 
 
+def test_of_several_transitions_that_may_be_it_is_said_which_one_is_taken(tmp_path: Path) -> None:
+    """In a cycle that is wet and has the flag, the machine becomes `stopped`: two sentences without an order said that it becomes either."""
+    rule, spec = rule_of(
+        tmp_path,
+        "state mode : { rolling, slowed, stopped } starts rolling\n  becomes stopped when blue_flag\n  becomes slowed when ego.wet\n"
+        '  becomes rolling from slowed, stopped when ego.v > 9 m/s\nrule r "r"\n  require mode is rolling\n',
+    )
+    _, machine = tell(rule, spec, ENGLISH).definitions
+    assert machine.startswith(
+        "The mode is one of “rolling”, “slowed”, and “stopped”; it starts as “rolling”. It becomes “stopped” from"
+    )
+    assert machine.endswith("In each cycle, only the first of these changes that applies takes place.")
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

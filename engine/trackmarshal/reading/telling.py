@@ -173,6 +173,8 @@ def _machines(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
         parts = [said.starts(node)]
         for one in node.transitions:
             parts += [said.becomes(one), *said.kept(one)]
+        if len(node.transitions) > 1:
+            parts.append(said.words.in_order)
         yield _with_meanings(" ".join(parts), said)
 
 

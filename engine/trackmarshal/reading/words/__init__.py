@@ -116,11 +116,12 @@ class Words(Node):
     if_: str
     when: str
     event: str
-    #: State machines: that it starts, and each of its transitions.
+    #: State machines: that it starts, each of its transitions, and which of several is taken.
     starts: str
     bridges: str
     becomes: str
     remembers: str
+    in_order: str
     #: What was solved for a number, why it was not, and what was found on the evaluator instead: in which ranges the rule holds.
     solved: str
     unsolved: str
