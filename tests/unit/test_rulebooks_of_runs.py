@@ -104,6 +104,16 @@ def test_candidates_are_compared_stretch_by_stretch() -> None:
     ]
 
 
+def test_times_of_a_clock_that_counts_from_far_away_are_told_apart() -> None:
+    """Stretches of a log with stamps of Unix were all "1.7e+09"."""
+    cycles = [{**cycle(0, v=v), "t": 1.7e9 + 0.1 * number} for number, v in enumerate((20.0, 40.0, 35.0))]
+    _, lines = replayed(recorded("one", *cycles))
+    assert lines[lines.index("rulebook order, driving beside emergency") + 2 :] == [
+        "1700000000                    equal",
+        "1700000000.1 to 1700000000.2  worse than               fast",
+    ]
+
+
 def test_runs_are_compared_by_their_worst_cycles() -> None:
     fast = recorded("fast", cycle(0, v=35.0), cycle(1, v=40.0), cycle(2))
     near = recorded("near", cycle(0), cycle(1, other=4.0), cycle(2))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.output import dump, number, table
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.units import written
+from trackmarshal.units import moment, written
 
 if TYPE_CHECKING:
     from trackmarshal.rulebooks.choosing import Choice
@@ -154,7 +154,7 @@ class Runs:
             ]
         rows = [
             [
-                f"{first:g} to {last:g}" if first != last else f"{first:g}",
+                f"{moment(first)} to {moment(last)}" if first != last else moment(first),
                 f"{said.outcome} than" if said.outcome in ("better", "worse") else said.outcome,
                 ", ".join(said.for_),
                 ", ".join(said.against),
