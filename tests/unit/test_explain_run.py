@@ -30,6 +30,15 @@ state mood : { calm, hasty } starts calm
     remember pace = ego.v
   becomes calm from hasty when ego.v < 12 m/s
 
+state met : { no, final yes } for each o in objects starts no
+  becomes yes from no when o.x < 999 m
+    remember first = o.x
+
+rule apart "Of two, the farther one began farther away"
+  for all   o in objects
+  for all   q in objects where q.x > o.x
+  require   gap(o) + 0.5 * met(q).first <= gap(q) - met(o).first
+
 rule brake "After 20 m/s, the car is below 15 m/s within half a second"
   whenever  rising(ego.v > 20 m/s)
   within    0.5 s
@@ -129,6 +138,18 @@ def test_what_definitions_came_to(explain: Callable[..., str]) -> None:
     assert "decided at o = red" in out
     assert "gap = 2" in out
     assert "town.near = 12" in out
+
+
+def test_of_several_numbers_that_go_by_one_name_each_is_told(explain: Callable[..., str]) -> None:
+    """`gap` and `town.met.first` were told once, of one object, and nothing said of which."""
+    out = explain("apart", 0.2).splitlines()
+    assert [line.strip() for line in out if "gap" in line or "first =" in line] == [
+        "by town.spec:23:13: gap(o) + 0.5 * met(q).first <= gap(q) - met(o).first",
+        "gap(o) = 16 m",
+        "gap(q) = 300 m",
+        "town.met[0].first = 20 m",
+        "town.met[1].first = 300 m",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -34,17 +35,20 @@ def numbers(
                 rows.append((name, beside(values.number(side, env), node.unit, node.shown, 9)))
     if isinstance(node, ir.SweptInside | ir.SweptClear):
         rows.append(("swept", _way(node, env, values)))
+    parts = unbound(node)
     called = {one.node: one for one in names if one.own}
-    leaves: dict[str, str] = {}
-    for part in unbound(node):
+    often = Counter(called[part].name for part in parts if part in called)
+    leaves: dict[tuple[str, str], None] = {}  # of one name, several numbers
+    for part in parts:
         told = _leaf(part, env, values)
         unit = "1" if told is None else _unit(part, values.spec, kept or {})
         if told is None and part in called and isinstance(part, ir.Num):
             one = called[part]
-            told, unit = (one.name, values.number(part, env)), one.unit
+            name = one.text if often[one.name] > 1 else one.name  # of what definition
+            told, unit = (name, values.number(part, env)), one.unit
         if told is not None:
-            leaves[told[0]] = _member(part, values.spec, told[1]) or measured(told[1], unit)
-    return rows + sorted(leaves.items())
+            leaves[told[0], _member(part, values.spec, told[1]) or measured(told[1], unit)] = None
+    return rows + sorted(leaves)
 
 
 def kept_units(rule: RuleInfo) -> dict[str, str]:
@@ -110,8 +114,9 @@ def _leaf(part: ir.AnyNode, env: Env, values: Reference) -> tuple[str, float] | 
         case ir.Param():
             return part.name, values.number(part, env)
         case ir.Kept():
-            what = part.name or "time_in"
-            return f"{part.machine.name}.{what}", values.number(part, env)
+            axis, what = part.machine.axis, part.name or "time_in"
+            element = "" if axis is None else f"[{env[axis.level]}]"
+            return f"{part.machine.name}{element}.{what}", values.number(part, env)
         case ir.Lookup():
             return f"{part.table}({figure(values.number(part.argument, env))})", values.number(part, env)
         case ir.GridLookup():

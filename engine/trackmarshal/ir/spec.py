@@ -169,13 +169,14 @@ class ConstraintInfo(Node):
 class Called(NamedTuple):
     """What a rule calls a number or a formula. `own`: it is a `let`, or what a definition makes; else it is given to a definition, which calls it so.
 
-    unit: of a number, in SI.
+    unit: of a number, in SI. text: as it is written where it is called, with what it is given.
     """
 
     node: IR
     name: str
     own: bool
     unit: str = "1"
+    text: str = ""
 
 
 #: The severity of rules that warn, and never decide.

@@ -55,9 +55,11 @@ class Lowering:
         elif isinstance(value, typed.FormulaNode):
             self._call(self._formulas[value], name)
 
-    def _call(self, node: ir.Num | ir.Formula, name: str, own: bool = True, unit: str = "1") -> None:
+    def _call(
+        self, node: ir.Num | ir.Formula, name: str, own: bool = True, unit: str = "1", text: str = ""
+    ) -> None:
         if own or node not in self.names:
-            self.names[node] = Called(node, name, own, unit)
+            self.names[node] = Called(node, name, own, unit, text or name)
 
     def number(self, node: typed.Number, site: Span | None = None) -> ir.Num:
         """The core of a number."""
@@ -76,7 +78,8 @@ class Lowering:
             case typed.CalledNumber():
                 inner = self._enter(node, site)
                 value = self.number(node.body, inner)
-                self._call(value, node.symbol.name, unit=show(node.dimension))
+                text = " ".join(node.span.text.split())
+                self._call(value, node.symbol.name, unit=show(node.dimension), text=text)
                 return value
             case typed.Parameter():
                 return make(ir.Param, node.symbol.qualified)
