@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from dataclasses import replace
@@ -136,6 +137,37 @@ def test_another_unit_is_not_comparable() -> None:
     assert change.word == NOT_COMPARABLE
     assert change.margins is None
     assert change.changed > 0
+
+
+BOTH = 'rule slow "" for all p in plan require p.v <= {} and {} <= {}'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "word"),
+    [
+        ((BOTH.format("32 m/s", "p.a", "5 m/s^2"),), (BOTH.format("31 m/s", "p.a", "5 m/s^2"),), STRICTER),
+        ((BOTH.format("32 m/s", "p.a", "5 m/s^2"),), (BOTH.format("32 m/s", "p.t", "90 s"),), NOT_COMPARABLE),
+        (
+            ("scale m/s = 5 m/s", BOTH.format("32 m/s", "p.a", "5 m/s^2")),
+            ("scale m/s = 5 m/s", BOTH.format("31 m/s", "p.a", "5 m/s^2")),
+            STRICTER,
+        ),
+        (
+            ("scale m/s = 5 m/s", BOTH.format("32 m/s", "p.a", "5 m/s^2")),
+            ("scale m/s = 500 m/s", BOTH.format("32 m/s", "p.a", "5 m/s^2")),
+            NOT_COMPARABLE,
+        ),
+    ],
+)
+def test_margins_of_other_dimensions_or_scales_are_not_comparable(
+    old: tuple[str, ...], new: tuple[str, ...], word: str
+) -> None:
+    """A rule that demands the same was called stricter where each of its margins is divided by more."""
+    before, after = evaluator(*old), evaluator(*new)
+    change = only(before, after)
+    assert (change.word, change.margins is None) == (word, word == NOT_COMPARABLE)
+    said = " ".join(text(compared([Pair(judge(before, recording()), judge(after, recording()))])))
+    assert not re.search(r"\d (mixed|scaled)\b", said.partition("rules:")[0]), said
 
 
 def test_new_gone_and_renamed() -> None:

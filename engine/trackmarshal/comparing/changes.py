@@ -87,9 +87,9 @@ class Column:
     new_margins: NDArray[np.float64]
 
 
-def changed(old: RuleInfo, new: RuleInfo, columns: Sequence[Column]) -> RuleChange:
-    """What became of a rule, over all recordings."""
-    alike = old.unit == new.unit
+def changed(old: RuleInfo, new: RuleInfo, columns: Sequence[Column], alike: bool = True) -> RuleChange:
+    """What became of a rule, over all recordings. alike: margins of the same units are those of the same dimensions, by the same scales."""
+    alike = alike and old.unit == new.unit
     stricter = weaker = unlike = differing = cycles = undecided = 0
     for one in columns:
         # The recording ends before something is decided on one side: nobody knows whether it differs.

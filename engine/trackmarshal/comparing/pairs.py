@@ -9,6 +9,7 @@ from trackmarshal.comparing.changes import EQUAL, GONE, NEW, Column, RuleChange,
 from trackmarshal.comparing.decisions import DecisionChange, decided
 from trackmarshal.comparing.judged import Judged, judge
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.margins import SCALED, measured_units, own_unit
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.scenarios.recording import Recording
 
@@ -59,7 +60,7 @@ def compared(pairs: Sequence[Pair], renamed: Mapping[str, str] | None = None) ->
     new = {rule.name: rule for rule in pairs[0].new.evaluator.rules}
     was = _same(old, new, renamed or {})
     rules = [
-        changed(old[was[name]], rule, [_column(pair, was[name], name) for pair in pairs]) if name in was
+        _changed(pairs, was[name], name) if name in was
         else alone(rule, NEW, [(pair.new.there, pair.new.codes[:, :, _place(pair.new, name)]) for pair in pairs])
         for name, rule in new.items()
     ]  # fmt: skip
@@ -76,12 +77,24 @@ def of_rule(pairs: Sequence[Pair], name: str) -> RuleChange | None:
     both = [pair for pair in pairs if _has(pair.old, name) and _has(pair.new, name)]
     if not both:
         return None
-    old, new = both[0].old.evaluator.rules, both[0].new.evaluator.rules
-    return changed(
-        old[_place(both[0].old, name)],
-        new[_place(both[0].new, name)],
-        [_column(pair, name, name) for pair in both],
-    )
+    return _changed(both, name, name)
+
+
+def _changed(pairs: Sequence[Pair], before: str, after: str) -> RuleChange:
+    """What became of a rule under its names, over recordings that are judged by the same rules."""
+    first = pairs[0]
+    old = first.old.evaluator.rules[_place(first.old, before)]
+    new = first.new.evaluator.rules[_place(first.new, after)]
+    alike = _measures(first.old, old) == _measures(first.new, new)
+    return changed(old, new, [_column(pair, before, after) for pair in pairs], alike)
+
+
+def _measures(judged: Judged, rule: RuleInfo) -> Mapping[str, float]:
+    """Of a rule of several dimensions, their units in SI, each with what margins in it are divided by; nothing of one that has a unit."""
+    if own_unit(rule.unit) or rule.formula is None:
+        return {}
+    scales = dict(judged.evaluator.spec.scales) if rule.unit == SCALED else {}
+    return {unit: scales.get(unit, 1.0) for unit in measured_units(rule.formula)}
 
 
 def _has(judged: Judged, name: str) -> bool:

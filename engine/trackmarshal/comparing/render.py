@@ -10,6 +10,7 @@ from typing import Any
 from trackmarshal.comparing.changes import EQUAL, GONE, NEW, Flip, Moment, RuleChange
 from trackmarshal.comparing.decisions import DecisionChange
 from trackmarshal.comparing.pairs import Comparison
+from trackmarshal.ir.margins import undecided
 from trackmarshal.units import moment as clocked
 from trackmarshal.units import written
 
@@ -136,10 +137,12 @@ def moved(rule: RuleChange) -> str:
     if m is None:
         raise ValueError(f"{rule.name} has no margins that moved")
 
-    def at(value: float, moment: Moment) -> str:
-        return f"{_signed(value, rule.unit)} ({moment.recording}, {moment.candidate}, {clocked(moment.t)} s)"
+    unit = undecided(rule.unit)
 
-    return f"by {at(m.least, m.least_at)} to {at(m.most, m.most_at)}, median {_signed(m.median, rule.unit)}, in {m.cycles} cycles"
+    def at(value: float, moment: Moment) -> str:
+        return f"{_signed(value, unit)} ({moment.recording}, {moment.candidate}, {clocked(moment.t)} s)"
+
+    return f"by {at(m.least, m.least_at)} to {at(m.most, m.most_at)}, median {_signed(m.median, unit)}, in {m.cycles} cycles"
 
 
 def _signed(value: float, unit: str) -> str:
