@@ -562,6 +562,16 @@ def test_of_several_transitions_that_may_be_it_is_said_which_one_is_taken(tmp_pa
     assert machine.endswith("In each cycle, only the first of these changes that applies takes place.")
 
 
+def test_how_bad_it_is_stands_above_every_form(tmp_path: Path) -> None:
+    """A formula and a sentence say the same of a rule that warns and of one that decides."""
+    rule, spec = rule_of(tmp_path, 'rule r "r"\n  severity advisory\n  require ego.v <= top\n')
+    made = sheet(rule, spec)
+    assert next(in_text(made)) == "r: r"
+    assert list(in_text(made))[1] == "  severity: advisory"
+    assert data(made)["said"] == {"severity": "advisory"}
+    assert "<dt>severity</dt><dd>advisory</dd>" in page([made])
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

@@ -46,6 +46,8 @@ def about(rule: RuleInfo, words: Words) -> Iterator[tuple[str, str]]:
     labels = words.labels
     if rule.satisfies:
         yield labels["satisfies"], words.comma.join(name for name, _ in rule.satisfies)
+    if rule.severity:  # an advisory rule decides nothing, whatever it demands
+        yield labels["severity"], rule.severity
     if rule.source:
         yield labels["source"], rule.source
     if rule.assuming:

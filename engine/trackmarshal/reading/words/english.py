@@ -106,7 +106,7 @@ ENGLISH = Words(
     labels={
         "formula": "Formula", "english": "In words", "spec": "Spec", "c": "C", "definitions": "where", "meanings": "Meanings", "parameters": "Parameters",
         "tables": "Tables", "places": "Zones and lines", "machines": "States", "limits": "Limits", "source": "source", "because": "because",
-        "satisfies": "satisfies", "assuming": "assuming", "overridden": "overridden at {a}; the spec has {b}", "declared": "declared at {a}",
+        "satisfies": "satisfies", "severity": "severity", "assuming": "assuming", "overridden": "overridden at {a}; the spec has {b}", "declared": "declared at {a}",
         "range": "from {a} to {b}", "name": "name", "value": "value", "unit": "unit", "inputs": "Inputs", "points": "{a} with {b} points", "rule": "Rule",
         "plain": "number", "at least": "at least {a}", "at most": "at most {a}", "becomes": "becomes", "from": "from", "when": "when", "remember": "remember",
         "starts": "starts", "bridges": "bridges",
