@@ -303,7 +303,7 @@ def test_whatever_is_no_node_is_refused(tmp_path: Path) -> None:
     formula: Any = OtherFormula()
     for refuse in (
         lambda: Formulas().number(number), lambda: Formulas().formula(formula),
-        lambda: Sentences(ENGLISH, {}, frozenset(), frozenset()).number(number), lambda: Sentences(ENGLISH, {}, frozenset(), frozenset()).formula(formula),
+        lambda: Sentences(ENGLISH, {}, frozenset(), frozenset(), frozenset()).number(number), lambda: Sentences(ENGLISH, {}, frozenset(), frozenset(), frozenset()).formula(formula),
         lambda: mathml.element(number), lambda: typst.content(number), lambda: terminal.text(number), lambda: broad(number),
     ):  # fmt: skip
         with pytest.raises((AssertionError, AttributeError)):
@@ -570,6 +570,39 @@ def test_how_bad_it_is_stands_above_every_form(tmp_path: Path) -> None:
     assert list(in_text(made))[1] == "  severity: advisory"
     assert data(made)["said"] == {"severity": "advisory"}
     assert "<dt>severity</dt><dd>advisory</dd>" in page([made])
+
+
+@pytest.mark.parametrize(
+    ("declared", "condition", "said"),
+    [
+        (
+            "shape moved = { v: m/s }\ndefine speed(o: moved) -> m/s = abs(o.v)\n",
+            "ego.v <= speed(ego)",
+            "The v of ego is at most the speed of ego.",
+        ),
+        (
+            "signal other : state { v: m/s, speed: m/s }\n",
+            "other.v <= other.speed",
+            "The v of other is at most the speed of other.",
+        ),
+        (
+            "signal other : state { room: m, x: m }\nshape there = { x: m }\ndefine room(o: there) -> m = o.x - 1 m\n",
+            "other.room <= room(other)",
+            "The field room of other is at most the room of other.",
+        ),
+        (
+            "signal other : state { v: m/s, heading: rad }\ndefine heading(v: m/s) -> 1 = v / top\n",
+            "other.heading <= heading(other.v)",
+            "The field heading of other is at most the heading of the speed of other.",
+        ),
+    ],
+)
+def test_a_field_is_called_by_no_name_of_something_else(
+    declared: str, condition: str, said: str, tmp_path: Path
+) -> None:
+    """ "The speed of ego is at most the speed of ego" was said of `ego.v` and a definition `speed`."""
+    rule, spec = rule_of(tmp_path, f'{declared}rule r "r"\n  require {condition}\n')
+    assert tell(rule, spec, ENGLISH).demand == (said,)
 
 
 #: How a table is read, its rows, and what stands of that in front of them.

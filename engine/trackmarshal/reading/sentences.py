@@ -28,12 +28,12 @@ OPEN, ALTERNATIVES, TOGETHER, SINGLE = range(4)
 
 
 class Sentences(Phrases):
-    """Sentences of one rule. params: values in force; taken: names that are no letters for numbers; shared: names of several things."""
+    """Sentences of one rule. params: values in force; taken: names that are no letters for numbers; shared, measured: see `Phrases`."""
 
     def __init__(
-        self, words: Words, params: Mapping[str, ParamInfo], taken: frozenset[str], shared: frozenset[str]
-    ) -> None:
-        super().__init__(words, shared)
+        self, words: Words, params: Mapping[str, ParamInfo], taken: frozenset[str], shared: frozenset[str], measured: frozenset[str]
+    ) -> None:  # fmt: skip
+        super().__init__(words, shared, measured)
         self._params = params
         self._free: list[str] = []
         self._more = (one for one in _letters() if one not in taken)  # most rules take a few of thousands

@@ -25,7 +25,10 @@ def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
     """A rule with a condition, in words."""
     assert rule.typed is not None, "a rule without a condition says nothing"
     reached = list(typed.below(rule.typed))
-    said = Sentences(words, spec.params, frozenset(_names(reached)), _shared(reached, spec))
+    measured = frozenset(
+        node.symbol.name for node in reached if isinstance(node, typed.CalledNumber | typed.Machine)
+    )
+    said = Sentences(words, spec.params, frozenset(_names(reached)), _shared(reached, spec), measured)
     demand = tuple(_demand(rule.typed, said))
     return Told(demand, (*_events(reached, said), *_definitions(reached, said), *_machines(reached, said)))
 

@@ -37,7 +37,9 @@ class Words(Node):
     where: str
     otherwise: str
     among: str
+    #: A field, and one beside a definition or a state machine of its name.
     field: str
+    own_field: str
     parameter: str
     table: str
     station: str
