@@ -107,7 +107,7 @@ def test_a_claim_on_part_of_the_inputs_says_which(tmp_path: Path) -> None:
         tmp_path, 'rule r "r"\n  for all p in plan\n  require (p.v - 20 m/s)^2 <= 10 m * p.a\n'
     )
     (made,) = solve(rule, spec, (), "v", ENGLISH)
-    assert "wherever the rule applies and both sides are real numbers" in made.said
+    assert "wherever it applies and is not undefined, and both sides are real numbers" in made.said
     (demand,) = made.formulas
     assert text(demand).count("v_p") == 1
 
@@ -129,6 +129,16 @@ def test_a_demand_that_does_not_hold_on_its_boundary(condition: str, wanted: str
     on = {name: [4.0, 4.0] for name in ("a", "v")}
     verdict = Evaluator(spec, ["r"], "reference").case({"signals": {"plan": on}}).rules["r"].verdict
     assert verdict == ("satisfied" if "≤ a_p" in wanted else "violated")
+
+
+def test_where_a_solution_says_nothing_of_a_rule_is_said(tmp_path: Path) -> None:
+    """Below 0 m/s the demand is undefined, which is not safe, and what was solved for is kept there."""
+    rule, spec = rule_of(tmp_path, 'rule r "r"\n  for all p in plan\n  require sqrt(p.v / (1 m/s)) <= 3\n')
+    below = {"v": [-4.0, -4.0]}
+    verdict = Evaluator(spec, ["r"], "reference").case({"signals": {"plan": below}}).rules["r"].verdict
+    (made,) = solve(rule, spec, (), "v", ENGLISH)
+    assert ([text(one) for one in made.formulas], verdict) == (["v_p ≤ 9"], "undefined")
+    assert "wherever it applies and is not undefined" in made.said
 
 
 def test_numbers_of_a_solution_are_said_to_be_in_si() -> None:
