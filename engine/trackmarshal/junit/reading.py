@@ -40,6 +40,10 @@ _BESIDE = frozenset({"testng-results", "coverage", "checkstyle"})
 #: With a document type: coverage, and what TestNG would run again. A `<suite>` without one may be of tests.
 _BESIDE_TYPED = _BESIDE | {"suite"}
 
+#: The root of what Maven's Failsafe leaves beside its reports, on the run as a whole. Of a run in which nothing broke it gives no result.
+_SUMMARY = "failsafe-summary"
+_NO_RESULT = frozenset({"", "null"})
+
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
 _FAILED = frozenset({"failure", "rerunFailure", "flakyFailure"})
@@ -129,6 +133,8 @@ class _Reader:
         if self._silent:
             self._silent += 1
         elif not parent:
+            if name == _SUMMARY:
+                raise self._summary(attributes)
             if name not in ("testsuites", "testsuite"):
                 raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN, name in _BESIDE)
             self._open(attributes)
@@ -146,6 +152,14 @@ class _Reader:
             self._beside(name, parent)
         else:  # in a failure, which may hold more than text
             self._silent = 1
+
+    def _summary(self, attributes: dict[str, str]) -> TrackmarshalError:
+        """A run that broke off is said to have there alone: of tests that a process took with it, no report tells."""
+        result, timeout = attributes.get("result", ""), attributes.get("timeout", "false")
+        if result in _NO_RESULT and timeout == "false":
+            return self._fail("T333", f"the root is <{_SUMMARY}>, not <testsuites>", AGAIN, True)
+        message = f"Failsafe says that its run failed or broke off (`result` `{result}`, `timeout` `{timeout}`): there may be tests that it lists nowhere"
+        return self._fail("T335", message, "mend what failed, and run it again")
 
     def _in_suite(self, name: str, attributes: dict[str, str]) -> None:
         if name not in _IN_SUITE:
