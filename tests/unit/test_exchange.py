@@ -325,6 +325,14 @@ def test_groups_of_relations_are_named() -> None:
     ]
 
 
+@pytest.mark.parametrize("end", ["SOURCE", "TARGET"])
+def test_a_relation_without_an_end_is_not_left_out(end: str) -> None:
+    """The package passes over it, and a requirement refined nothing any more."""
+    text = re.sub(f"<{end}>.*?</{end}>", "", REQIF, count=1)
+    with pytest.raises(Refused, match=rf"^file.reqif:33: error\[T354\]: <SPEC-RELATION> has no <{end}>"):
+        read(text, "reqif", DOOR)
+
+
 FORMATTED = {
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",

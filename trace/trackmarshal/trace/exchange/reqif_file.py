@@ -172,6 +172,8 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
 
     try:
         bundle = ReqIFParser.parse_from_string(text)
+        for lacking in bundle.exceptions:  # the package leaves out what it is about, and says so nowhere else
+            raise _incomplete(lacking, shown)
         return list(_Reading(bundle, shown, found).drafts())
     except Refused:
         raise
@@ -182,6 +184,12 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
             shown,
             help="does it follow ReqIF's schema?",
         ) from problem
+
+
+def _incomplete(lacking: Any, shown: str) -> Refused:
+    """An element that lacks one that each of its kind has, such as a relation an end."""
+    message = f"<{lacking.xml_node.tag}> has no <{lacking.tag}>"
+    return Refused("T354", message, shown, _line(lacking), "does the file follow ReqIF's schema?")
 
 
 class _Reading:
