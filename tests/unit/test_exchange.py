@@ -333,6 +333,29 @@ def test_a_relation_without_an_end_is_not_left_out(end: str) -> None:
         read(text, "reqif", DOOR)
 
 
+@pytest.mark.parametrize(
+    ("said", "refused"), [("AB-9", True), ("AB-1; AB-9", True), ("AB-1", False), ("", False)]
+)
+def test_an_attribute_beside_relations_of_its_name(said: str, refused: bool) -> None:
+    """What it said went with the relations that took its place."""
+    defined = re.findall(r"<ATTRIBUTE-DEFINITION-STRING .*</ATTRIBUTE-DEFINITION-STRING>", REQIF)[0]
+    given = re.findall(r"<ATTRIBUTE-VALUE-STRING .*</ATTRIBUTE-VALUE-STRING>", REQIF)[0]
+    text = REQIF.replace(
+        defined, defined + defined.replace('"ai"', '"ar"').replace("ReqIF.ForeignID", "refines")
+    )
+    head, body = text.split('DESC="It shall close."')
+    body = body.replace("<VALUES>", "<VALUES>" + given.replace(">ai<", ">ar<").replace("AB-1", said), 1)
+    text = f'{head}DESC="It shall close."{body}'
+    if not refused:
+        assert read(text, "reqif", DOOR)[0][0].requirements[0]["refines"] == ["AB-1"]
+        return
+    with pytest.raises(
+        Refused,
+        match=rf"T355.*`refines` is there twice, as the attribute `{said}` and as relations to `AB-1`",
+    ):
+        read(text, "reqif", DOOR)
+
+
 FORMATTED = {
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",

@@ -400,6 +400,15 @@ class _Reading:
             related.setdefault(one.source, {}).setdefault(name, []).append(str(self._held[one.target]["id"]))
         for key, links in related.items():
             for name, targets in links.items():
+                said = str(self._held[key].get(name, ""))
+                if set(re.split(r"[;\s]+", said)) - {"", *targets}:
+                    raise Refused(
+                        "T355",
+                        f"`{name}` is there twice, as the attribute `{said}` and as relations to `{BETWEEN.join(targets)}`",
+                        self._shown,
+                        _line(self._objects[key]),
+                        "give the attribute another name, or export one of the two",
+                    )
                 self._held[key][name] = targets
 
     def _dropped(self, what: str, node: Any) -> None:
