@@ -356,6 +356,18 @@ def test_an_attribute_beside_relations_of_its_name(said: str, refused: bool) -> 
         read(text, "reqif", DOOR)
 
 
+def test_types_of_objects_are_named_where_there_are_several() -> None:
+    """What tools keep among requirements for information only became one, and nothing said so."""
+    note = REQIF.replace(
+        "</SPEC-TYPES>", '<SPEC-OBJECT-TYPE IDENTIFIER="n" LONG-NAME="Information"/></SPEC-TYPES>'
+    )
+    head, body = note.split('DESC="It shall close."')
+    text = f'{head}DESC="It shall close."{body.replace(">t</SPEC-OBJECT-TYPE-REF>", ">n</SPEC-OBJECT-TYPE-REF>", 1)}'
+    said = "warning[T357]: of which type an object is (`Information`, `T`) is not taken over"
+    assert [said in one for one in read(text, "reqif", DOOR)[1]].count(True) == 1
+    assert not any("of which type" in one for one in read(note, "reqif", DOOR)[1])
+
+
 FORMATTED = {
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",

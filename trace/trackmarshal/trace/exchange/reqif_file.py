@@ -198,6 +198,7 @@ class _Reading:
     def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding]) -> None:
         self._shown, self._found = shown, found
         self._told: set[str] = set()  #: what is not taken over, each once
+        self._first: dict[str, Any] = {}  #: by type of objects, the first requirement of it
         content = bundle.core_content.req_if_content if bundle.core_content else None
         if content is None:
             raise Refused("T354", "no ReqIF: it has no content", shown, 1, "export it again")
@@ -206,6 +207,9 @@ class _Reading:
         self._words = {
             word.identifier: word.long_name or word.key for kind in content.data_types or () for word in getattr(kind, "values", None) or ()
         }  # fmt: skip
+        self._kinds: dict[str, str] = {
+            kind.identifier: kind.long_name or kind.identifier for kind in content.spec_types or ()
+        }
         self._names: dict[str, str] = {}
         for kind in content.spec_types or ():
             for definition in [
@@ -268,6 +272,9 @@ class _Reading:
         rest = [key for key in self._objects if key not in seen and not self._is_chapter(key)]
         if rest:
             yield Draft("others", self._title or "Requirements", "", [self._item(key) for key in rest])
+        if len(self._first) > 1:  # what is there for information only, and what is demanded
+            named = ", ".join(f"`{kind}`" for kind in self._first)
+            self._dropped(f"of which type an object is ({named})", list(self._first.values())[1].xml_node)
 
     def _places(self, children: Any) -> Iterator[Any]:
         for place in children:
@@ -285,6 +292,8 @@ class _Reading:
         return True
 
     def _item(self, key: str) -> Item:
+        kind = self._objects[key].spec_object_type
+        self._first.setdefault(self._kinds.get(kind, kind), self._objects[key])
         return Item(self._held[key], _line(self._objects[key]))
 
     def _named(self, key: str, one: Any) -> None:
@@ -379,9 +388,6 @@ class _Reading:
         return "\n".join(line.strip() for line in said.strip().split("\n"))
 
     def _relate(self) -> None:
-        kinds = {
-            kind.identifier: kind.long_name or kind.identifier for kind in self._content.spec_types or ()
-        }
         related: dict[str, dict[str, list[str]]] = {}
         for one in self._content.spec_relations or ():
             for end in (one.source, one.target):
@@ -395,7 +401,7 @@ class _Reading:
                     )
             if one.values:
                 self._dropped(f"what the relation `{one.identifier}` says beside its ends", one.xml_node)
-            kind = kinds.get(one.relation_type_ref, one.relation_type_ref)
+            kind = self._kinds.get(one.relation_type_ref, one.relation_type_ref)
             name = _REFINES if kind.lower() == _REFINES else f"link {kind}"
             related.setdefault(one.source, {}).setdefault(name, []).append(str(self._held[one.target]["id"]))
         for key, links in related.items():
