@@ -368,6 +368,14 @@ def test_types_of_objects_are_named_where_there_are_several() -> None:
     assert not any("of which type" in one for one in read(note, "reqif", DOOR)[1])
 
 
+def test_the_original_of_what_a_tool_has_simplified_is_named() -> None:
+    """A picture may be in it, which the simplified text does not have."""
+    original = "<THE-ORIGINAL-VALUE><xhtml:div>It shall <xhtml:object data='x.png'/></xhtml:div></THE-ORIGINAL-VALUE>"
+    found = read(REQIF.replace("</THE-VALUE>", f"</THE-VALUE>{original}"), "reqif", DOOR)[1]
+    said = "the original of `ReqIF.Text`, which some tool has simplified, is not taken over"
+    assert any(said in one for one in found)
+
+
 FORMATTED = {
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",

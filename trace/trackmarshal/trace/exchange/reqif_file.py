@@ -360,6 +360,10 @@ class _Reading:
                 _line(one),
                 "does the file follow ReqIF's schema?",
             )
+        if (
+            one.xml_node.find("THE-ORIGINAL-VALUE") is not None
+        ):  # a tool that could not show all of it has kept it
+            self._dropped(f"the original of `{name}`, which some tool has simplified,", one.xml_node)
         said = struck = ""
         inside = 0  # in how many elements that strike out
         for event, node in _walk(value):
