@@ -377,6 +377,7 @@ def test_the_original_of_what_a_tool_has_simplified_is_named() -> None:
 
 
 FORMATTED = {
+    "shall<xhtml:pre>stop\n  wait\n<xhtml:b>go\non</xhtml:b></xhtml:pre>\nand\nthen": "It shall\nstop\nwait\ngo\non\nand then open.",
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",
     "at 10<xhtml:sup>-3</xhtml:sup> m/s<xhtml:sup>2</xhtml:sup>": "It at 10^-3 m/s^2 open.",

@@ -366,6 +366,7 @@ class _Reading:
             self._dropped(f"the original of `{name}`, which some tool has simplified,", one.xml_node)
         said = struck = ""
         inside = 0  # in how many elements that strike out
+        verbatim = 0  # in how many whose lines stand as they are
         for event, node in _walk(value):
             tag = str(node.tag).rsplit("}", 1)[-1]
             begins = event == "start"
@@ -388,7 +389,10 @@ class _Reading:
                 said += "\n"
             if begins:
                 said += _BEFORE.get(tag, "")
-            said += re.sub(r"[ \t\r\n]+", " ", (node.text if begins else node.tail) or "")
+            if tag == "pre":
+                verbatim += 1 if begins else -1
+            text = (node.text if begins else node.tail) or ""
+            said += text if verbatim else re.sub(r"[ \t\r\n]+", " ", text)
         return "\n".join(line.strip() for line in said.strip().split("\n"))
 
     def _relate(self) -> None:
