@@ -376,6 +376,17 @@ def test_the_original_of_what_a_tool_has_simplified_is_named() -> None:
     assert any(said in one for one in found)
 
 
+@pytest.mark.parametrize(
+    ("held", "named"), [("<REQ-IF-TOOL-EXTENSION><v xmlns='v'/></REQ-IF-TOOL-EXTENSION>", 1), ("", 0)]
+)
+def test_extensions_of_other_tools_are_named(held: str, named: int) -> None:
+    text = REQIF.replace("</CORE-CONTENT>", f"</CORE-CONTENT>\n<TOOL-EXTENSIONS>{held}</TOOL-EXTENSIONS>")
+    said = (
+        "file.reqif:44: warning[T357]: what the other tool keeps in extensions of its own is not taken over"
+    )
+    assert read(text, "reqif", DOOR)[1].count(said) == named
+
+
 FORMATTED = {
     "shall<xhtml:pre>stop\n  wait\n<xhtml:b>go\non</xhtml:b></xhtml:pre>\nand\nthen": "It shall\nstop\nwait\ngo\non\nand then open.",
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",

@@ -170,6 +170,11 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
     require(shown)
     from reqif.parser import ReqIFParser
 
+    extension = re.search(r"<(?:[\w.-]+:)?REQ-IF-TOOL-EXTENSION[\s/>]", text)
+    if extension:
+        line = text.count("\n", 0, extension.start()) + 1
+        message = "what the other tool keeps in extensions of its own is not taken over"
+        found.append(warning("T357", message, Place(shown, line)))
     try:
         bundle = ReqIFParser.parse_from_string(text)
         for lacking in bundle.exceptions:  # the package leaves out what it is about, and says so nowhere else
