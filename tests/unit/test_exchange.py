@@ -387,6 +387,27 @@ def test_extensions_of_other_tools_are_named(held: str, named: int) -> None:
     assert read(text, "reqif", DOOR)[1].count(said) == named
 
 
+def test_a_number_that_is_larger_than_any_is_none() -> None:
+    """It was infinite, and no file could hold it any more."""
+    need = '{"current_version": "1", "versions": {"1": {"needs": {"AB-1": {"id": "AB-1", "weight": 1e999}}}}}'
+    with pytest.raises(Refused, match=r"T350.*`1e999` is no number"):
+        read(need, "needs")
+
+
+@pytest.mark.parametrize(
+    "said",
+    ["json:", "json:abc", "json:NaN", "json:-1e999", 'json:["\\ud800"]', "json:" + "[" * 100_000],
+    ids=range(6),
+)
+def test_a_foreign_text_that_is_no_json_goes_out_as_a_text(said: str) -> None:
+    """What is no number, half a character and what is nested too deep ended the export as an internal error; other texts came back with more around them."""
+    quoted = said.replace('"', '""')
+    documents, _ = read(f'Key,Name,Text,Note\nAB-1,A,It shall stop.,"{quoted}"\n', "csv", NAMING)
+    out = exchange.export(documents, "needs", "P", NOW)
+    assert json.loads(out)["versions"]["1.0"]["needs"]["AB-1"]["Note"] == said
+    assert read(out, "needs", Naming())[0][0].requirements[0]["foreign"]["Note"] == said
+
+
 FORMATTED = {
     "shall<xhtml:pre>stop\n  wait\n<xhtml:b>go\non</xhtml:b></xhtml:pre>\nand\nthen": "It shall\nstop\nwait\ngo\non\nand then open.",
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Sequence
 from datetime import datetime
-from typing import Any
+from typing import Any, NoReturn
 
 from trackmarshal.json_text import named_twice
 from trackmarshal.trace.exchange.content import ESCAPE, FIELDS, Document, Draft, Item, Value, attributes
@@ -133,7 +134,7 @@ def _attributes(key: str, need: dict[str, Any]) -> dict[str, Value]:
             texts = isinstance(value, list) and all(isinstance(entry, str) for entry in value)
             said[named] = value if isinstance(value, str) or texts else json.dumps(value, ensure_ascii=False)
         else:
-            plain = isinstance(value, str) and not value.startswith(_RAW)
+            plain = isinstance(value, str) and _value(value) is value
             said[named] = value if plain else _RAW + json.dumps(value, ensure_ascii=False)
     return said
 
@@ -143,12 +144,15 @@ def _is_internal(name: str) -> bool:
 
 
 def _value(text: str) -> Any:
+    """What a foreign value stands for; the text itself where that is nothing that a file of JSON can hold."""
     if not text.startswith(_RAW):
         return text
     try:
-        return json.loads(text[len(_RAW) :])
-    except ValueError:
+        value = json.loads(text[len(_RAW) :])
+        json.dumps(value, ensure_ascii=False, allow_nan=False).encode()
+    except (ValueError, RecursionError):
         return text
+    return value
 
 
 def _says(value: Any) -> bool:
@@ -169,11 +173,15 @@ def _parsed(text: str, shown: str) -> dict[str, Any]:
             )
         return made
 
-    def no_number(word: str) -> None:
+    def no_number(word: str) -> NoReturn:
         raise Refused("T350", f"`{word}` is no number of JSON", shown, help="write null, or a text")
 
+    def number(word: str) -> float:
+        value = float(word)
+        return value if math.isfinite(value) else no_number(word)
+
     try:
-        data = json.loads(text, object_pairs_hook=once, parse_constant=no_number)
+        data = json.loads(text, object_pairs_hook=once, parse_constant=no_number, parse_float=number)
     except json.JSONDecodeError as problem:
         raise Refused(
             "T350", f"not JSON: {problem.msg}", shown, problem.lineno, "is the file whole?"
