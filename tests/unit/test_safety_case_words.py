@@ -127,6 +127,16 @@ def test_the_project_says_in_which_language(warehouse: Path) -> None:
     assert "Open points" in html(warehouse, "--words", "en").texts
 
 
+def test_the_commands_that_make_it_again_have_its_words(warehouse: Path) -> None:
+    """Without them, they come to an English one, and the document says that they come to the same."""
+    commands = {
+        language: next(text for text in html(warehouse, *words).texts if "trackmarshal case --day" in text)
+        for language, words in (("en", []), ("de", ["--words", "de"]))
+    }
+    assert commands["en"].endswith(f"trackmarshal case --day {DAY} --out DIR")
+    assert commands["de"].endswith(f"trackmarshal case --day {DAY} --words de --out DIR")
+
+
 def test_typst_sets_the_language(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from trackmarshal.trace.case import typst
 

@@ -12,6 +12,7 @@ it, the HTML is written all the same.
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -80,7 +81,7 @@ def _run(args: argparse.Namespace) -> int:
     root = find_project(args)
     found = assess(root, run=False, quiet=args.quiet)
     words = _words(args.words, found, root)
-    given = _inputs(found, root, _day(args.day, root))
+    given = replace(_inputs(found, root, _day(args.day, root)), asked=_asked(args))
     folder = _templates(args.templates, found, root)
     problems: list[TrackmarshalError] = []
     document = _drawn(given, words, problems)
@@ -151,6 +152,12 @@ def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
         drawings(root, said, sheets, lambda: found.sources), _loop(matrix, found, root),
         recorded(root, {str(e.id): (e.id.place.file, e.id.place.line) for e in found.project.entries if e.kind == "review"}),
     )  # fmt: skip
+
+
+def _asked(args: argparse.Namespace) -> str:
+    """The options without which the same project comes to another document."""
+    options = (("--words", args.words), ("--templates", args.templates))
+    return shlex.join(word for name, value in options if value is not None for word in (name, value))
 
 
 def _unshown(letters: str) -> TrackmarshalError:

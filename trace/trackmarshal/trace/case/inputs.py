@@ -48,6 +48,9 @@ class Inputs:
     drawings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     loop: Loop | None = None  #: kept results of runs in a closed loop
     recorded: Mapping[str, Recorded] = field(default_factory=dict)  #: by review, the commit that it stands in
+    asked: str = (
+        ""  #: words or templates that were asked for in place of the project's, as options of the command
+    )
     draw: bool = True  #: whether the argument is drawn, which takes the extra `gsn`
 
 

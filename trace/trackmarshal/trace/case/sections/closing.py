@@ -79,7 +79,9 @@ def again(writing: Writing) -> Section:
     commands = [f"git checkout {commit}"] if commit else []
     commands += [
         "trackmarshal trace --gate --rerun",
-        f"trackmarshal case --day {made.matrix.today.isoformat()} --out DIR",
+        " ".join(
+            filter(None, ("trackmarshal case --day", made.matrix.today.isoformat(), made.asked, "--out DIR"))
+        ),
     ]
     blocks: list[Block] = [writing.paragraph("again.how"), Verbatim("\n".join(commands))]
     if made.commit.endswith("+"):
