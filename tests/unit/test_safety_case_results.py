@@ -32,6 +32,20 @@ def words(svg: str) -> list[str]:
     return re.findall(r"<text[^>]*>([^<]*)</text>", svg)
 
 
+# Tests of other runners.
+
+
+def test_a_report_in_whose_names_nothing_can_be_looked_for_is_not_read(warehouse: Path) -> None:
+    """And so it is not one in which no test names a requirement."""
+    junit = "  junit: [{path: door.xml, stage: TST-1, names: '(a+)+'}]"
+    edit(warehouse, "requirements/v-model.yaml", "  specs: [specs]\n", f"  specs: [specs]\n{junit}\n")
+    (warehouse / "door.xml").write_text('<testsuite><testcase name="a"/></testsuite>', "utf-8")
+    page = html(warehouse, expect=1).html
+    assert "T340" in page
+    assert "none that name a requirement" not in page
+    assert "nothing is known here: " in page
+
+
 # Closed loop.
 
 

@@ -130,8 +130,8 @@ def _truth(writing: Writing, run: RunSummary) -> Line:
     return joined(lines) or writing.line("truth.none")
 
 
-#: Of reports of other runners that were not read, as they are not there, hold no test, or are none.
-_UNREAD = frozenset({"T330", "T331", "T332", "T333", "T334", "T335", "T290"})
+#: Of reports of other runners that were not read, as they are not there, hold no test, or are none, or as nothing can be looked for in their names.
+_UNREAD = frozenset({"T330", "T331", "T332", "T333", "T334", "T335", "T340", "T290"})
 
 
 def _others(writing: Writing) -> Iterator[Block]:
