@@ -249,6 +249,7 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
 
 #: Tests that pass for pytest and for unittest, but for what they name: half of them never ask anything.
 EMPTY = """
+import sys
 import threading
 import unittest
 import warnings
@@ -258,10 +259,14 @@ import pytest
 pytestmark = [pytest.mark.verifies("S-1-B-1"), pytest.mark.filterwarnings("ignore")]
 
 
-def divides():
-    thread = threading.Thread(target=lambda: 1 / 0)
+def threaded(function):
+    thread = threading.Thread(target=function)
     thread.start()
     thread.join()
+
+
+def divides():
+    threaded(lambda: 1 / 0)
 
 
 @pytest.fixture
@@ -287,6 +292,14 @@ def test_in_a_thread_that_is_caught():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         divides()
+
+
+def test_a_thread_is_through():
+    threaded(sys.exit)
+
+
+def test_a_thread_gives_up():
+    threaded(lambda: sys.exit("no door"))
 
 
 def test_set_up_in_a_thread(dividing):
@@ -344,6 +357,7 @@ def test_what_never_asked_anything_has_failed(project: Path) -> None:
     tests = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
     came = {
         "test_returns": "failed", "test_in_a_thread": "failed", "test_in_a_thread_that_is_caught": "failed",
+        "test_a_thread_is_through": "passed", "test_a_thread_gives_up": "failed",
         "test_set_up_in_a_thread": "error", "test_torn_down_in_a_thread": "error", "test_says_so": "passed", "Door::test_is_not_awaited": "failed", "Door::test_yields": "failed", "Door::test_opens": "passed",
         "Door::test_locks": "skipped", "Gate::test_is_awaited": "passed", "Gate::test_fails": "failed", "Deferring::test_returns": "passed",
     }  # fmt: skip
