@@ -304,6 +304,14 @@ def test_of_two_words_for_one_field_none_counts(
     assert f"error[T360]: `{option} asil=..` is given twice" in capsys.readouterr().err
 
 
+def test_a_column_is_one_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of two that it was to be, the second was said to be in no requirement, with the help to name the column."""
+    (tmp_path / "r.csv").write_text("id,Text\nR-1,It shall stop.\n", "utf-8")
+    words = ["import", "requirements", str(tmp_path / "r.csv"), "--out", str(tmp_path / "r.yaml")]
+    assert main([*words, "--field", "title=Text", "--field", "statement=Text"]) == 2
+    assert "error[T360]: `Text` is to be `title` and `statement`" in capsys.readouterr().err
+
+
 def test_a_default_is_named_by_its_word() -> None:
     """And not by its identifier, of which nobody knows what it says."""
     value = "<ATTRIBUTE-VALUE-ENUMERATION><DEFINITION><ATTRIBUTE-DEFINITION-ENUMERATION-REF>ae</ATTRIBUTE-DEFINITION-ENUMERATION-REF></DEFINITION><VALUES><ENUM-VALUE-REF>e1</ENUM-VALUE-REF></VALUES></ATTRIBUTE-VALUE-ENUMERATION>"

@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
 
     path = Path(args.file)
     found: list[Finding] = []
-    naming = Naming(_pairs(args.fields, "--field"), _pairs(args.defaults, "--default"))
+    naming = Naming(_named(args.fields), _pairs(args.defaults, "--default"))
     documents = exchange.read(
         exchange.load(path, args.file), args.format or exchange.format_of(path), args.file, naming, found
     )
@@ -100,6 +100,21 @@ def _write(target: Path, text: str) -> None:
     """The whole file, or what was there."""
     target.parent.mkdir(parents=True, exist_ok=True)
     write_whole(target, text.encode("utf-8"))
+
+
+def _named(given: Sequence[str]) -> dict[str, str]:
+    """What the other tool calls each field; raises T360 for a name that stands for two, of which one would go without."""
+    pairs = _pairs(given, "--field")
+    twice = named_twice(pairs.values())
+    if twice is not None:
+        named = " and ".join(f"`{field}`" for field, name in pairs.items() if name == twice)
+        raise exchange.Refused(
+            "T360",
+            f"`{twice}` is to be {named}",
+            "",
+            help="name one field, and give the other one by `--default`, or write it there",
+        )
+    return pairs
 
 
 def _pairs(given: Sequence[str], option: str) -> dict[str, str]:
