@@ -304,6 +304,12 @@ def test_of_two_words_for_one_field_none_counts(
     assert f"error[T360]: `{option} asil=..` is given twice" in capsys.readouterr().err
 
 
+def test_names_that_everybody_has_in_reqif_may_be_named() -> None:
+    """As the page has them: then they were said not to be there."""
+    named = Naming({"id": "ReqIF.ForeignID", "statement": "ReqIF.Text"}, DOOR.defaults)
+    assert read(REQIF, "reqif", named) == read(REQIF, "reqif", DOOR)
+
+
 def test_a_column_is_one_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of two that it was to be, the second was said to be in no requirement, with the help to name the column."""
     (tmp_path / "r.csv").write_text("id,Text\nR-1,It shall stop.\n", "utf-8")

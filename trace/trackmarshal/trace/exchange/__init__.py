@@ -40,6 +40,7 @@ def read(data: bytes, format: str, shown: str, naming: Naming, found: list[Findi
     match format:
         case "reqif":
             drafts = reqif_file.read(data, shown, found)
+            naming = reqif_file.named(naming)
         case "needs":
             drafts = needs.read(data, shown, found)
         case "csv":

@@ -18,6 +18,7 @@ from trackmarshal.trace.exchange.content import (
     Document,
     Draft,
     Item,
+    Naming,
     Value,
     attributes,
 )
@@ -189,6 +190,12 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
             shown,
             help="does it follow ReqIF's schema?",
         ) from problem
+
+
+def named(naming: Naming) -> Naming:
+    """The names of fields without those that are read so anyway, such as `ReqIF.Text`."""
+    fields = {ours: theirs for ours, theirs in naming.fields.items() if STANDARD.get(ours) != theirs}
+    return Naming(fields, naming.defaults)
 
 
 def _incomplete(lacking: Any, shown: str) -> Refused:
@@ -482,4 +489,4 @@ def _fit(text: str, where: str, document: Document | None) -> None:
         raise Refused("T352", message, file, help="remove it, or export as CSV or needs.json")
 
 
-__all__ = ["ESCAPE", "STANDARD", "read", "require", "write"]
+__all__ = ["ESCAPE", "STANDARD", "named", "read", "require", "write"]
