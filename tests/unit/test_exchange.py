@@ -179,7 +179,8 @@ def test_needs_of_somebody_else() -> None:
     naming = Naming({"status": "state"}, {**NAMING.defaults, "status": "draft"})
     documents, found = read(json.dumps(data), "needs", naming)
     assert [one.split(":")[1:][0:2] for one in found if "lineno" in one]
-    assert len(found) == 2
+    assert [one for one in found if "has `state`, which is to be `status`: it is `draft` by" in one]
+    assert len(found) == 3
     one = documents[0].requirements[0]
     assert documents[0].table["title"] == "Brakes"
     assert one["foreign"] == {
@@ -302,6 +303,25 @@ def test_of_two_words_for_one_field_none_counts(
     words = ["import", "requirements", str(tmp_path / "r.csv"), "--out", str(tmp_path / "r.yaml")]
     assert main([*words, option, "asil=D", option, "asil=QM"]) == 2
     assert f"error[T360]: `{option} asil=..` is given twice" in capsys.readouterr().err
+
+
+def test_a_field_by_a_name_that_is_not_there_is_no_default() -> None:
+    """What is of ASIL D in a column `ASIL` was QM by `--field asil=Asil --default asil=QM`, and nothing said so."""
+    text = "Key,Name,Text,ASIL\nAB-1,A,It shall stop.,D\n"
+    named = {**NAMING.fields, "asil": "Asil"}
+    _, found = read(text, "csv", Naming(named, NAMING.defaults))
+    assert found == [
+        "file.csv:2: warning[T357]: no requirement in the file has `Asil`, which is to be `asil`: it is `QM` by `--default` in all of them"
+        "\n  help: there is `Key`, `Name`, `Text`, `ASIL`"
+    ]
+    # Where there is no default either, that is the error that it is without a name.
+    without = {name: text for name, text in NAMING.defaults.items() if name != "asil"}
+    (one,) = read(text, "csv", Naming(named, without))[1]
+    assert "error[T120]: no requirement in the file has `asil`" in one
+    # A column in which nothing stands is one all the same.
+    assert (
+        read(text.replace("ASIL", "Asil").replace(",D", ","), "csv", Naming(named, NAMING.defaults))[1] == []
+    )
 
 
 def test_names_that_everybody_has_in_reqif_may_be_named() -> None:

@@ -99,6 +99,7 @@ def taken(drafts: Iterable[Draft], naming: Naming, shown: str, found: list[Findi
     """Drafts as documents of a project; what does not fit goes to `found` (T120 to T128), with file and line."""
     drafts = list(drafts)
     lacking = _said_nowhere(drafts, naming, shown, found)
+    found += _named_nowhere(drafts, naming, shown, lacking)
     found += _by_default(drafts, naming, shown)
     misfits: list[Finding] = []
     reader = Reader(shown, misfits)
@@ -135,6 +136,22 @@ def _said_nowhere(
     help_ = f"say what it is called there{named}, or what it is for all of them: `--field {lacking[0]}=NAME`, `--default {lacking[-1]}=TEXT`"
     found.append(error("T120", message, Place(shown, items[0].line), help_))
     return lacking
+
+
+def _named_nowhere(
+    drafts: Iterable[Draft], naming: Naming, shown: str, lacking: Collection[str]
+) -> Iterator[Finding]:
+    """T357 for what `--field` says of a field where no requirement has such a thing: a default stands for whatever they say by another name. Of those that
+    are lacking then, there is an error."""
+    items = [item for draft in drafts for item in draft.items]
+    there = {name: None for item in items for name in item.attributes}
+    for ours, theirs in naming.fields.items() if items else ():
+        if theirs not in there and ours not in lacking:
+            default = naming.defaults.get(ours)
+            stands = "" if default is None else f": it is `{default[:40]}` by `--default` in all of them"
+            message = f"no requirement in the file has `{theirs[:40]}`, which is to be `{ours}`{stands}"
+            named = ", ".join(f"`{name[:40]}`" for name in list(there)[:12])
+            yield warning("T357", message, Place(shown, items[0].line), f"there is {named}")
 
 
 def _by_default(drafts: Iterable[Draft], naming: Naming, shown: str) -> Iterator[Finding]:
