@@ -359,7 +359,8 @@ class _Results:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         ids = tuple(str(value) for name, value in report.user_properties if name == VERIFIES)
-        if not ids:
+        # What a worker of pytest-xdist took with it when it ended is told without a phase, and without properties.
+        if not ids and report.when in ("setup", "call", "teardown"):
             return
         file, line, _ = report.location
         if report.nodeid not in self._seen:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from golden.trace.cases import PROJECT
+from trackmarshal import pytest_plugin
 from trackmarshal.junit import reading
 from trackmarshal.records import ExternalTest, load
 
@@ -245,6 +246,24 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
     assert done.returncode == 4
     assert "Python runs with -O" in done.stdout + done.stderr
     assert not (project / "out" / "a.json").exists()
+
+
+def test_what_a_worker_took_with_it_is_not_left_out(pytestconfig: pytest.Config, tmp_path: Path) -> None:
+    """pytest-xdist tells it so of a test for which a worker ended while it was set up; what it verifies, nobody knows."""
+    results = pytest_plugin._Results(pytestconfig, tmp_path / "a.json")
+    file, crashed = (
+        "tests/test_door.py",
+        "worker 'gw0' crashed while running 'tests/test_door.py::test_falls'",
+    )
+    taken = pytest.TestReport(f"{file}::test_falls", (file, None, file), {}, "failed", crashed, "???")  # type: ignore[arg-type]
+    other = pytest.TestReport(f"{file}::test_opens", (file, 3, "test_opens"), {}, "failed", "no", "call")
+    for report in (taken, other):
+        results.pytest_runtest_logreport(report)
+    results.pytest_sessionfinish()
+    (test,) = load(tmp_path / "a.json").items
+    assert isinstance(test, ExternalTest)
+    assert (test.suite, test.name, test.outcome, test.requirements) == (file, "test_falls", "error", ())
+    assert test.message == crashed
 
 
 #: Tests that pass for pytest and for unittest, but for what they name: half of them never ask anything.
