@@ -91,6 +91,18 @@ def test_a_waived_gap_is_a_reservation_with_its_justification(tmp_path: Path) ->
     assert case.elements["J-W-1"].text == "Waiver W-1 (the maintainers, until 2026-12-31): Nothing runs in a vehicle yet."  # fmt: skip
 
 
+def test_a_claim_about_evidence_that_nobody_argues_for_is_not_supported(tmp_path: Path) -> None:
+    """It was as supported as the evidence is, to which nothing leads any more."""
+    old = "-   - name: evidence\n-     element: solution\n"
+    new = old.replace("-   -", "+   -").replace(
+        "-     element: solution", "+     element: goal\n+     undeveloped: always"
+    )
+    _, case = argument(argued(tmp_path, f"edit requirements/argument.yaml\n{old}{new}"))
+    claims = [e for e in case.elements.values() if e.about is not None and e.about[0] == "evidence"]
+    assert len(claims) > 5
+    assert {(e.kind, e.undeveloped, e.status) for e in claims} == {("goal", True, UNSUPPORTED)}
+
+
 def test_every_solution_names_its_evidence_by_hash(tmp_path: Path) -> None:
     _, case = argument(argued(tmp_path / "one"))
     held = [one for e in case.elements.values() for one in e.evidence]

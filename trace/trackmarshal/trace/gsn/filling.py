@@ -170,10 +170,11 @@ class Filling:
         id_ = self._id(_filled(template.id, subject), template, subject)
         self._made[key] = id_
         leaf, evidence = self._subjects.leaves.get(subject.key, ("", ()))
+        shows = template.element == "solution"  # a claim about evidence is no evidence
         self.elements[id_] = Element(
             id_, str(template.element), _filled(template.text, subject), subject.place, template.name.place, subject.key,
-            undeveloped=template.undeveloped == "always", evidence=evidence if template.element == "solution" else (),
-            leaf=leaf, state=OPEN if template.element in COUNTER else "",
+            undeveloped=template.undeveloped == "always", evidence=evidence if shows else (),
+            leaf=leaf if shows or not evidence else "", state=OPEN if template.element in COUNTER else "",
         )  # fmt: skip
         if template.module:
             self.beginnings.add(id_)
