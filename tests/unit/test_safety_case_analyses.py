@@ -51,6 +51,16 @@ def test_a_finished_analysis_is_called_so(warehouse: Path) -> None:
     assert "open" not in said
 
 
+def test_a_file_in_which_an_analysis_is_to_be_stands_with_what_it_has_come_to(warehouse: Path) -> None:
+    """It stood there as if it were written down, where the matrix had no such file."""
+    (warehouse / "motors.md").write_text("Each motor has a battery of its own.\n", "utf-8")
+    said = analysed(warehouse, ANALYSIS.replace("requirements/needs.yaml", "motors.md"))
+    assert re.search(r"written down in motors\.md (review|reviewed|not reviewed)", said)
+    (warehouse / "motors.md").unlink()
+    page = " ".join(re.sub(r"<[^>]*>", " ", html(warehouse).html).split())
+    assert re.search(r"written down in motors\.md \S missing", page)
+
+
 def test_where_hazards_and_goals_are_from_is_said(warehouse: Path) -> None:
     edit(
         warehouse,

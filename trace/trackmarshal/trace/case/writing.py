@@ -23,6 +23,7 @@ from trackmarshal.trace.case.model import (
     Piece,
     Ref,
     Section,
+    Status,
     Table,
     Written,
 )
@@ -147,6 +148,16 @@ class Writing:
             if link.kind == kind and holds(link)
         )
         return [node for node in found if node is not None and node.demanded]
+
+    def file(self, document: Node) -> Line:
+        """A file that backs something, with what it has come to in the matrix where that is not that it is there."""
+        outcome = document.attributes["outcome"]
+        ref: Line = (self.ref(document.key),)
+        return ref if outcome == "there" else (*ref, Fixed(" "), Status(outcome))
+
+    def files(self, key: Key) -> Line:
+        """The files that back a thing."""
+        return joined([self.file(document) for document in self.beyond(key, "backed_by")])
 
     def of_kind(self, kind: str) -> Sequence[Node]:
         return self.graph.by_kind.get(kind, ())

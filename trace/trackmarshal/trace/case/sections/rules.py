@@ -56,7 +56,7 @@ def _item(writing: Writing, item: SpecItem) -> Part:
         facts += [
             ("label.owner", given(item.owner) or writing.line("assumptions.no_owner")),
             ("label.monitor", writing.line("assumptions.monitored" if item.monitored else "assumptions.unmonitored")),
-            ("label.evidence", writing.refs(n.key for n in writing.beyond(key, "backed_by")) or writing.line("assumptions.no_evidence")),
+            ("label.evidence", writing.files(key) or writing.line("assumptions.no_evidence")),
         ]  # fmt: skip
     facts.append(("label.review", writing.review(key)))
     blocks: list[Block] = [writing.facts(facts)]

@@ -109,7 +109,7 @@ def decomposition(writing: Writing) -> Section | None:
             ("label.by", writing.refs(n.key for n in writing.beyond(node.key, "made_by"))),
             ("label.made_so_far" if said.get("open") else "label.made", given(said.get("made", ""))),
             ("label.open", written(said.get("open", ""), node.place)),
-            ("label.document", writing.refs(n.key for n in writing.beyond(node.key, "backed_by"))),
+            ("label.document", writing.files(node.key)),
             ("label.review", writing.review(node.key)),
         ])], node.key, level=3))  # fmt: skip
     return writing.section("decomposition", blocks)

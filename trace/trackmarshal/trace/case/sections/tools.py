@@ -92,9 +92,7 @@ class _Shown:
         return found
 
     def line(self, document: Node) -> Line:
-        line: Line = (self._writing.ref(document.key),)
-        if document.attributes["outcome"] == "missing":
-            return (*line, Fixed(" "), Status("missing"))
+        line = self._writing.file(document)
         for outcome, number in sorted(self._outcomes.get(document.id, Counter()).items()):
             line = (*line, Fixed(" "), Number(f"tests/{document.id}/{outcome}", str(number)), Fixed(" "), Status(outcome))  # fmt: skip
         return line
