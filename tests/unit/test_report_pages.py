@@ -18,7 +18,9 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records import FaultCase, FaultResult
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.report.codes import CODES
+from trackmarshal.trace.report.firings import firing_rows
 from trackmarshal.trace.report.pages import page_names
+from trackmarshal.trace.report.reading import read_run
 
 #: Elements of HTML that have no end tag.
 VOID = {"meta", "br", "input", "img", "link", "hr"}
@@ -397,6 +399,18 @@ def test_flickering_run_is_summed_up(tmp_path: Path) -> None:
     made = large(base, 400, 3, lambda rule, i: -1.0 if i % 2 else 1.0)
     _, (page,) = written(tmp_path, [made])
     assert "194 more stretches inside this interval" in page.text
+
+
+def test_what_is_summed_up_says_that_some_of_it_is_undefined(tmp_path: Path) -> None:
+    """It had the verdict of the stretch with the least margin, and an undefined one has none."""
+    made = large(record(tmp_path, overtaking(count=2)), 40, 1, lambda rule, i: -1.0 if i % 2 else 1.0)
+    firing = made["rules"][0]["candidates"]["driving"]["firings"][10]
+    firing |= {
+        "verdicts": ["undefined"],
+        "worst": {**firing["worst"], "margin": "nan", "verdict": "undefined"},
+    }
+    row = next(one for one in firing_rows(read_run(made)) if one["more"] and "driving" in one["candidate"])
+    assert row["verdicts"] == "violated and undefined"
 
 
 @pytest.mark.parametrize(

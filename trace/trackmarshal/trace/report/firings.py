@@ -25,9 +25,9 @@ def firing_rows(run: Run) -> Iterator[dict[str, Any]]:
             rest = lane.firings[MOST_FIRINGS:]
             if rest:
                 worst = min(rest, key=lambda f: _sortable(number(f["worst"]["margin"])))
-                row = _firing(
-                    rule, candidate, {**worst, "from": rest[0]["from"], "to": rest[-1]["to"]}, behind
-                )
+                verdicts = dict.fromkeys(verdict for firing in rest for verdict in firing["verdicts"])
+                ends = {"from": rest[0]["from"], "to": rest[-1]["to"]}
+                row = _firing(rule, candidate, {**worst, **ends, "verdicts": tuple(verdicts)}, behind)
                 row["more"] = f"{count(len(rest), 'more stretch', 'more stretches')} inside this interval"
                 of_rule.append((rest[0]["cycles"][0], row))
         merged: list[tuple[int, dict[str, Any]]] = []
