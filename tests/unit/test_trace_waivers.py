@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from golden.trace.cases import Small
+from trackmarshal.trace.render.table import render_markdown
 
 PERSONS = """document: assurance
 title: Who did what
@@ -108,3 +109,17 @@ def test_one_holds_for_a_year_at_most(granted: str, expires: str, longer: bool, 
     )
     found = [finding for finding in made.matrix().findings if finding.code == "T235"]
     assert [finding.subject for finding in found] == ["W-1"] * longer
+
+
+def test_a_table_for_a_merge_request_says_of_what_a_finding_is_waived(tmp_path: Path) -> None:
+    """It named the code alone, and the matrix has many findings of one."""
+    made = Small.copy(tmp_path)
+    waiver = 'W-2, codes: [T255], subjects: ["S-1-A-1:measurement"], justification: None., residual_risk: None., owner: one, approver: other'
+    made.replace(
+        "requirements/v-model.yaml",
+        "waivers:\n",
+        f"waivers:\n  - {{id: {waiver}, granted: 2026-01-01, expires: 2026-12-31}}\n",
+    )
+    assert "- **W-2** (T255 of S-1-A-1:measurement, one, approved by other, " in render_markdown(
+        made.matrix()
+    )

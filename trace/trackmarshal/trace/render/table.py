@@ -82,11 +82,8 @@ def render_markdown(matrix: Matrix) -> str:
     if matrix.waivers:
         lines += ["", "## Waivers", ""]
     for waiver in matrix.waivers:
-        what = (
-            f"{', '.join(waiver.stages)} of {', '.join(waiver.requirements)}"
-            if waiver.stages
-            else ", ".join(waiver.codes)
-        )
+        excused, of = waiver.stages or waiver.codes, waiver.requirements or waiver.subjects
+        what = f"{', '.join(excused)} of {', '.join(of)}"
         who = f"{escaped(waiver.owner)}, approved by {escaped(waiver.approver)}"
         said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
         risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
