@@ -324,6 +324,24 @@ def test_a_field_by_a_name_that_is_not_there_is_no_default() -> None:
     )
 
 
+def test_relations_lead_to_the_ids_that_are_named() -> None:
+    """With `--field id=UID`, as StrictDoc calls them, they led to what the file calls its objects, which no requirement is called."""
+    given = re.findall(r"<ATTRIBUTE-VALUE-STRING .*</ATTRIBUTE-VALUE-STRING>", REQIF)[0]
+    text = REQIF.replace("ReqIF.ForeignID", "UID").replace('"AB-2"', '"o2"').replace(">AB-2<", ">o2<")
+    head, body = text.split('DESC="It shall close."')
+    text = f'{head}DESC="It shall close."{body.replace("<VALUES>", "<VALUES>" + given.replace("AB-1", "AB-2"), 1)}'
+    documents, found = read(text, "reqif", Naming({"id": "UID"}, DOOR.defaults))
+    two, one = documents[0].requirements
+    assert (two["id"], two["refines"], one["id"], one["foreign"]["link verifies"]) == (
+        "AB-2",
+        ["AB-1"],
+        "AB-1",
+        "AB-2",
+    )
+    assert not [text for text in found if "error" in text]
+    assert exchange.check(documents) == []
+
+
 def test_names_that_everybody_has_in_reqif_may_be_named() -> None:
     """As the page has them: then they were said not to be there."""
     named = Naming({"id": "ReqIF.ForeignID", "statement": "ReqIF.Text"}, DOOR.defaults)

@@ -165,8 +165,8 @@ def write(documents: Sequence[Document], project: str, created: datetime, shown:
     return escaped.encode("utf-8")
 
 
-def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
-    """The specifications of a ReqIF file; raises T350, T353, T354, T356, T359, and names what is not taken over in `found` (T357)."""
+def read(data: bytes, shown: str, found: list[Finding], called: str) -> list[Draft]:
+    """The specifications of a ReqIF file, with links to what is called so in the attribute `called`; raises T350, T353, T354, T356, T359, and names what is not taken over in `found` (T357)."""
     text = checked(data, shown)
     require(shown)
     from reqif.parser import ReqIFParser
@@ -180,7 +180,7 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
         bundle = ReqIFParser.parse_from_string(text)
         for lacking in bundle.exceptions:  # the package leaves out what it is about, and says so nowhere else
             raise _incomplete(lacking, shown)
-        return list(_Reading(bundle, shown, found).drafts())
+        return list(_Reading(bundle, shown, found, called).drafts())
     except Refused:
         raise
     except Exception as problem:  # whatever the package meets in a file that is not as it expects
@@ -207,8 +207,8 @@ def _incomplete(lacking: Any, shown: str) -> Refused:
 class _Reading:
     """One file; every object once, in the order of the specifications."""
 
-    def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding]) -> None:
-        self._shown, self._found = shown, found
+    def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding], called: str) -> None:
+        self._shown, self._found, self._called = shown, found, called
         self._told: set[str] = set()  #: what is not taken over, each once
         self._first: dict[str, Any] = {}  #: by type of objects, the first requirement of it
         content = bundle.core_content.req_if_content if bundle.core_content else None
@@ -423,7 +423,9 @@ class _Reading:
                 self._dropped(f"what the relation `{one.identifier}` says beside its ends", one.xml_node)
             kind = self._kinds.get(one.relation_type_ref, one.relation_type_ref)
             name = _REFINES if kind.lower() == _REFINES else f"link {kind}"
-            related.setdefault(one.source, {}).setdefault(name, []).append(str(self._held[one.target]["id"]))
+            target = self._held[one.target]
+            id_ = str(target.get(self._called) or target["id"])
+            related.setdefault(one.source, {}).setdefault(name, []).append(id_)
         for key, links in related.items():
             for name, targets in links.items():
                 said = str(self._held[key].get(name, ""))
