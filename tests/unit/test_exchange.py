@@ -194,6 +194,24 @@ def test_needs_of_somebody_else() -> None:
     assert (back["type"], back["links"], back["weight"], back["safe"]) == ("spec", ["AB-2"], 3, False)
 
 
+def test_a_link_of_sphinx_needs_by_its_own_name_is_a_field() -> None:
+    """A list by a name that is none here was kept as text of JSON, which is no id of a requirement: `--field refines=derives` could not be."""
+    need = {
+        "title": "Braking",
+        "content": "It shall brake.",
+        "docname": "brakes",
+        "derives": ["AB-1", "AB-3"],
+        "team": 7,
+    }
+    needs = {key: {"id": key, **need} for key in ("AB-1", "AB-2", "AB-3")}
+    data = json.dumps({"current_version": "1", "versions": {"1": {"needs": needs}}})
+    fields = {"refines": "derives", "owner": "team"}
+    documents, found = read(data, "needs", Naming(fields, NAMING.defaults))
+    assert (found, exchange.check(documents)) == ([], [])
+    one = documents[0].requirements[1]
+    assert (one["refines"], one["owner"], "foreign" in one) == (["AB-1", "AB-3"], "7", False)
+
+
 REQIF = """<?xml version="1.0" encoding="UTF-8"?>
 <REQ-IF xmlns="http://www.omg.org/spec/ReqIF/20110401/reqif.xsd" xmlns:xhtml="http://www.w3.org/1999/xhtml">
   <THE-HEADER><REQ-IF-HEADER IDENTIFIER="h"><TITLE>Door</TITLE></REQ-IF-HEADER></THE-HEADER>

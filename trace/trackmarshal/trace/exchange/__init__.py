@@ -42,7 +42,7 @@ def read(data: bytes, format: str, shown: str, naming: Naming, found: list[Findi
             naming = reqif_file.named(naming)
             drafts = reqif_file.read(data, shown, found, naming.fields.get("id", "id"))
         case "needs":
-            drafts = needs.read(data, shown, found)
+            drafts = needs.read(data, shown, found, naming)
         case "csv":
             drafts = csv_text.read(data, shown)
         case _:

@@ -10,7 +10,16 @@ from datetime import datetime
 from typing import Any, NoReturn
 
 from trackmarshal.json_text import named_twice
-from trackmarshal.trace.exchange.content import ESCAPE, FIELDS, Document, Draft, Item, Value, attributes
+from trackmarshal.trace.exchange.content import (
+    ESCAPE,
+    FIELDS,
+    Document,
+    Draft,
+    Item,
+    Naming,
+    Value,
+    attributes,
+)
 from trackmarshal.trace.exchange.refused import Refused, decoded
 from trackmarshal.trace.findings import Finding, Place, warning
 
@@ -57,8 +66,8 @@ def write(documents: Sequence[Document], project: str, created: datetime) -> byt
     return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode("utf-8")
 
 
-def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
-    """The needs of the current version, a document for each `docname`; raises T350 for what is no JSON, T354 for what is no needs.json, T355."""
+def read(data: bytes, shown: str, found: list[Finding], naming: Naming) -> list[Draft]:
+    """The needs of the current version, a document for each `docname`; what `naming` takes for a field is read as one; raises T350 for what is no JSON, T354 for what is no needs.json, T355."""
     text = decoded(data, shown)
     whole = _parsed(text, shown)
     version = _version(whole, shown)
@@ -95,7 +104,10 @@ def read(data: bytes, shown: str, found: list[Finding]) -> list[Draft]:
             name, Draft(name, str(sections[0] if isinstance(sections, list) else sections))
         )
         draft.items.append(
-            Item(_attributes(key, {**need, **{n: v for n, v in left_out.items() if n not in need}}), line)
+            Item(
+                _attributes(key, {**need, **{n: v for n, v in left_out.items() if n not in need}}, naming),
+                line,
+            )
         )
     for name, key in sorted(dropped.items()):
         message = f"`{name}` of needs is not taken over, first of `{key}`: sphinx-needs works it out, or shows the need with it"
@@ -120,7 +132,7 @@ def _left_out(version: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _attributes(key: str, need: dict[str, Any]) -> dict[str, Value]:
+def _attributes(key: str, need: dict[str, Any], naming: Naming) -> dict[str, Value]:
     said: dict[str, Value] = {"id": key}
     for name, value in need.items():
         if _is_internal(name) or name == "id" or not _says(value) or (name == "type" and value == _TYPE):
@@ -130,7 +142,7 @@ def _attributes(key: str, need: dict[str, Any]) -> dict[str, Value]:
             name == "content" or (name == "description" and "content" not in need)
         )
         named = "statement" if text else name
-        if named in FIELDS:
+        if named in FIELDS or name in naming.fields.values():
             texts = isinstance(value, list) and all(isinstance(entry, str) for entry in value)
             said[named] = value if isinstance(value, str) or texts else json.dumps(value, ensure_ascii=False)
         else:
