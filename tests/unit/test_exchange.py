@@ -212,6 +212,22 @@ def test_a_link_of_sphinx_needs_by_its_own_name_is_a_field() -> None:
     assert (one["refines"], one["owner"], "foreign" in one) == (["AB-1", "AB-3"], "7", False)
 
 
+def test_links_of_sphinx_needs_lead_to_the_ids_that_are_named() -> None:
+    """Its own, such as `N_1`, are no ids here, and whoever has others in a field could take over no link."""
+    need = {"title": "Braking", "content": "It shall brake.", "docname": "brakes"}
+    needs = {
+        "N_1": {**need, "id": "N_1", "uid": "AB-1"},
+        "N_2": {**need, "id": "N_2", "uid": "AB-2", "refines": ["N_1"]},
+    }
+    data = json.dumps({"current_version": "1", "versions": {"1": {"needs": needs}}})
+    documents, found = read(data, "needs", Naming({"id": "uid"}, NAMING.defaults))
+    assert (found, exchange.check(documents)) == ([], [])
+    assert [(one["id"], one.get("refines")) for one in documents[0].requirements] == [
+        ("AB-1", None),
+        ("AB-2", ["AB-1"]),
+    ]
+
+
 REQIF = """<?xml version="1.0" encoding="UTF-8"?>
 <REQ-IF xmlns="http://www.omg.org/spec/ReqIF/20110401/reqif.xsd" xmlns:xhtml="http://www.w3.org/1999/xhtml">
   <THE-HEADER><REQ-IF-HEADER IDENTIFIER="h"><TITLE>Door</TITLE></REQ-IF-HEADER></THE-HEADER>

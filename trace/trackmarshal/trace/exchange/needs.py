@@ -109,10 +109,21 @@ def read(data: bytes, shown: str, found: list[Finding], naming: Naming) -> list[
                 line,
             )
         )
+    _lead_to_ids([item for draft in drafts.values() for item in draft.items], naming)
     for name, key in sorted(dropped.items()):
         message = f"`{name}` of needs is not taken over, first of `{key}`: sphinx-needs works it out, or shows the need with it"
         found.append(warning("T357", message, Place(shown, lines.get(key, 0))))
     return list(drafts.values())
+
+
+def _lead_to_ids(items: Sequence[Item], naming: Naming) -> None:
+    """Links lead to needs by their keys; where requirements are called by another field, they lead to what that says."""
+    ids = {str(item.attributes["id"]): item.attributes.get(naming.fields.get("id", "id")) for item in items}
+    links = naming.fields.get("refines", "refines")
+    for item in items:
+        targets = item.attributes.get(links)
+        if isinstance(targets, list):
+            item.attributes[links] = [str(ids.get(target) or target) for target in targets]
 
 
 def _left_out(version: dict[str, Any]) -> dict[str, Any]:
