@@ -228,6 +228,14 @@ def test_links_of_sphinx_needs_lead_to_the_ids_that_are_named() -> None:
     ]
 
 
+@pytest.mark.parametrize("between", ["; ", ";", ", ", ",", "\n", ",\n"])
+def test_what_tools_put_between_the_entries_of_a_list(between: str) -> None:
+    """Of ids with commas between them, all together were said to be no id."""
+    text = f'Key,Name,Text,refines\nAB-1,A,It shall stop.,\nAB-2,A,It shall stop.,\nAB-3,A,It shall stop.,"AB-1{between}AB-2"\n'
+    documents, found = read(text, "csv", NAMING)
+    assert (found, documents[0].requirements[2]["refines"]) == ([], ["AB-1", "AB-2"])
+
+
 REQIF = """<?xml version="1.0" encoding="UTF-8"?>
 <REQ-IF xmlns="http://www.omg.org/spec/ReqIF/20110401/reqif.xsd" xmlns:xhtml="http://www.w3.org/1999/xhtml">
   <THE-HEADER><REQ-IF-HEADER IDENTIFIER="h"><TITLE>Door</TITLE></REQ-IF-HEADER></THE-HEADER>
@@ -420,7 +428,8 @@ def test_a_relation_without_an_end_is_not_left_out(end: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "refused"), [("AB-9", True), ("AB-1; AB-9", True), ("AB-1", False), ("", False)]
+    ("said", "refused"),
+    [("AB-9", True), ("AB-1; AB-9", True), ("AB-1, AB-1", False), ("AB-1", False), ("", False)],
 )
 def test_an_attribute_beside_relations_of_its_name(said: str, refused: bool) -> None:
     """What it said went with the relations that took its place."""

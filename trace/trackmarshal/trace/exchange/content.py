@@ -217,7 +217,8 @@ def _shaped(name: str, value: Value) -> Value | dict[str, str]:
         fits = len(made) == len(pairs) and value.lstrip().startswith("{")  # no name twice
         return made if fits and all(isinstance(text, str) for text in made.values()) else value
     if name in LISTS and isinstance(value, str):
-        return [entry.strip() for entry in re.split(r"[;\n]", value) if entry.strip()]
+        # No id, method or name has a comma, which others put between them.
+        return [entry.strip() for entry in re.split(r"[;,\n]", value) if entry.strip()]
     return value if name in LISTS or isinstance(value, str) else BETWEEN.join(value)
 
 

@@ -429,7 +429,7 @@ class _Reading:
         for key, links in related.items():
             for name, targets in links.items():
                 said = str(self._held[key].get(name, ""))
-                if set(re.split(r"[;\s]+", said)) - {"", *targets}:
+                if set(re.split(r"[;,\s]+", said)) - {"", *targets}:
                     raise Refused(
                         "T355",
                         f"`{name}` is there twice, as the attribute `{said}` and as relations to `{BETWEEN.join(targets)}`",
