@@ -257,10 +257,25 @@ def test_a_large_report(tmp_path: Path) -> None:
     assert {len(test.message) for test in found} == {1_000}
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "iso-8859-1"])
+@pytest.mark.parametrize(
+    "encoding", ["utf-8", "utf-8-sig", "utf8", "UTF8", "utf_8", "utf-16", "iso-8859-1", "windows-1252"]
+)
 def test_encodings(tmp_path: Path, encoding: str) -> None:
-    text = f'<?xml version="1.0" encoding="{encoding}"?><testsuite><testcase name="Größe"/></testsuite>'
+    """UTF-8 also by the names that Python has of it: with letters beyond ASCII, the report was said to be no XML."""
+    text = f'<?xml version="1.0" encoding="{encoding.removesuffix("-sig")}"?><testsuite><testcase name="Größe"/></testsuite>'
     assert read(tmp_path, text.encode(encoding))[0].name == "Größe"
+
+
+def test_an_encoding_that_is_not_read_is_said_to_be_none(tmp_path: Path) -> None:
+    with pytest.raises(TrackmarshalError) as caught:
+        read(
+            tmp_path,
+            '<?xml version="1.0" encoding="gbk"?><testsuite><testcase name="漢"/></testsuite>'.encode("gbk"),
+        )
+    assert (caught.value.code, (caught.value.help or "")[:37]) == (
+        "T331",
+        "have the test runner write UTF-8; its",
+    )
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ a pass.
 
 from __future__ import annotations
 
+import codecs
 import hashlib
 import re
 from dataclasses import replace
@@ -46,6 +47,10 @@ _NO_RESULT = frozenset({"", "null"})
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
+_DECLARED = re.compile(
+    rb"""(?:\xef\xbb\xbf)?<\?xml[^>]*?\sencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']"""
+)
+_IN_UTF8 = "have the test runner write UTF-8; its tests count for nothing as it is"
 _FAILED = frozenset({"failure", "rerunFailure", "flakyFailure"})
 _ERROR = frozenset({"error", "rerunError", "flakyError"})
 _SAYS = _FAILED | _ERROR | {"skipped"}
@@ -58,7 +63,16 @@ def read(path: Path, shown: str, tool: str = "") -> tuple[ExternalTest, ...]:
     if len(data) > MAX_BYTES:
         raise _refused("T334", shown, f"larger than {MAX_BYTES // 1_000_000} MB", None, "split it")
     digest = hashlib.sha256(data).hexdigest()
-    return tuple(_Reader(shown, tool, digest).read(data))
+    return tuple(_Reader(shown, tool, digest, _encoding(data)).read(data))
+
+
+def _encoding(data: bytes) -> str | None:
+    """UTF-8 where the file says so in a word of its own, such as `utf8`, which Python's ElementTree writes, and the parser takes for another one."""
+    declared = _DECLARED.match(data)
+    try:
+        return "utf-8" if declared and codecs.lookup(declared[1].decode()).name == "utf-8" else None
+    except LookupError:
+        return None  # which the parser says
 
 
 def ids_in(text: str) -> list[str]:
@@ -73,7 +87,7 @@ class Beside(TrackmarshalError):
 class _Reader:
     """One pass over the events of the parser."""
 
-    def __init__(self, shown: str, tool: str, digest: str) -> None:
+    def __init__(self, shown: str, tool: str, digest: str, encoding: str | None) -> None:
         self._shown = shown
         self._tool = tool
         self._digest = digest
@@ -87,7 +101,7 @@ class _Reader:
         self._left = MAX_NAMED
         #: What suites name, the inner ones first: of the tests from a number up to another one. Properties of a suite may stand behind its tests.
         self._of_all: list[tuple[int, int, list[str]]] = []
-        self._parser = expat.ParserCreate()
+        self._parser = expat.ParserCreate(encoding)
         self._parser.buffer_text = True
         self._parser.StartDoctypeDeclHandler = self._document_type
         self._parser.EntityDeclHandler = self._document_type
@@ -102,7 +116,9 @@ class _Reader:
             message = expat.ErrorString(error.code)
             raise _refused("T331", self._shown, f"not XML: {message}", error.lineno, AGAIN) from error
         except (ValueError, LookupError) as error:  # an encoding that is none
-            raise _refused("T331", self._shown, f"not XML: {error}", None, AGAIN) from error
+            raise _refused(
+                "T331", self._shown, f"not XML that can be read: {error}", None, _IN_UTF8
+            ) from error
         return self._named_by_suites()
 
     def _named_by_suites(self) -> list[ExternalTest]:
