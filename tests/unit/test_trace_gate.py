@@ -198,6 +198,24 @@ def test_a_baseline_that_was_edited_is_named(old: str, new: str, tmp_path: Path)
     assert "T379" in fails(small.root)
 
 
+@pytest.mark.parametrize(("old", "new"), [
+    ('"boundary tests a rule": "1"', '"boundary tests a rule": "one"'), ('"boundary tests a rule": "1"', '"boundary tests a rule": ["1"]'),
+    ('"weaker": []', '"weaker": [1]'), ('"weaker": []', '"weaker": "rule gap is gone"'), ('"by": "Ann Author"', '"by": null'), ('"by": "Ann Author"', '"who": "Ann Author"'),
+], ids=["a count", "a list", "no text", "no list", "nobody", "another field"])  # fmt: skip
+def test_a_baseline_of_another_form_cannot_be_read(old: str, new: str, tmp_path: Path) -> None:
+    """Whoever edits it may leave anything there."""
+    small = Small.copy(tmp_path)
+    path = small.root / BASELINE
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), "utf-8")
+    matrix = small.matrix()
+    said = [(f.code, f.message) for f in matrix.findings]
+    assert said == [("T220", "the baseline cannot be read: it is not what `--accept-baseline` writes")]
+    for kind in trace.FORMATS:
+        trace.render(matrix, kind)
+
+
 def test_accepting_the_same_again_changes_nothing(tmp_path: Path) -> None:
     small = Small.copy(tmp_path)
     before = (small.root / "requirements/baseline.json").read_bytes()

@@ -19,6 +19,7 @@ from trackmarshal.trace.baseline.content import (
     Content,
     Entry,
     Value,
+    counted,
 )
 from trackmarshal.trace.shapes import put_off
 
@@ -461,7 +462,7 @@ def _weaker(kind: str, field: str, old: Value, new: Value) -> bool:
         return bool(set(_elements(new)) - set(_elements(old)))
     if field == "asil" and isinstance(old, str) and isinstance(new, str) and {old, new} <= set(ASILS):
         return ASILS.index(new) < ASILS.index(old)
-    if field.endswith(" tests a rule") or kind == "external-tests":
+    if counted(kind, field):
         return int(_text(new) or 0) < int(_text(old) or 0)
     if field in _LATER and not old:
         return False

@@ -42,6 +42,8 @@ HEADING = "heading"
 UNMARKED = "no longer naming it"
 #: How many of them were not skipped, in any of their parameters.
 RAN = "not skipped"
+#: What the names of fields end with that say how many tests of a kind each rule has.
+_A_RULE = " tests a rule"
 #: A function as pytest and JUnit call it, with its parameters behind it, in which brackets need not match.
 _FUNCTION = re.compile(r"([\w:.]+)\[.*\]", re.DOTALL)
 #: Of evidence, which methods it answers of which requirements.
@@ -50,6 +52,11 @@ ANSWERS = "answers"
 _NAMED = ("person", "indicator", "malfunction", "method", "work")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
+
+
+def counted(kind: str, field: str) -> bool:
+    """Whether a field of entries of a kind holds a number."""
+    return field in ("number", RAN) if kind == "external-tests" else field.endswith(_A_RULE)
 
 
 def content(project: Project, spec: Spec, hashes: Hashes, graph: Graph, outside: Outside) -> Content:
@@ -251,7 +258,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
             "case templates": _held(project.case_templates, hashes),
             "case words": _held(project.case_words, hashes),
             "closed loop": _held(project.closed_loop, hashes),
-            **{f"{side} tests a rule": str(number) for side, number in project.tests_per_rule},
+            **{f"{side}{_A_RULE}": str(number) for side, number in project.tests_per_rule},
         },
     )
     for report in project.junit:

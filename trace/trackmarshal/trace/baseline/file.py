@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from datetime import date
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import UNMERGED, read_regular, unmerged, write_whole
 from trackmarshal.records import strict
 from trackmarshal.trace.baseline.changes import Tell, changes
-from trackmarshal.trace.baseline.content import Content, carried
+from trackmarshal.trace.baseline.content import Content, carried, counted
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.sections import lettered
@@ -24,6 +25,8 @@ FORMAT = "trackmarshal-baseline"
 VERSION = 2
 MAX_BYTES = 64_000_000
 DEFAULT = "requirements/baseline.json"
+#: A number of things.
+_COUNT = re.compile("[0-9]{1,9}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,22 +163,35 @@ def checked(data: Any) -> Baseline:
     if data.get("version") != VERSION:
         raise ValueError(f"its version is not {VERSION}: restore what it guards, and accept it anew")
     content, acceptances = data.get("content"), data.get("acceptances")
-    if content is None or not (_is_content(content) and isinstance(acceptances, list) and acceptances):
+    if content is None or acceptances is None or not (_is_content(content) and _are_acceptances(acceptances)):
         raise ValueError("it is not what `--accept-baseline` writes")
-    try:
-        done = tuple(Acceptance(**{**one, "weaker": tuple(one["weaker"])}) for one in acceptances)
-    except (TypeError, KeyError) as error_:
-        raise ValueError("it is not what `--accept-baseline` writes") from error_
+    done = tuple(Acceptance(**{**one, "weaker": tuple(one["weaker"])}) for one in acceptances)
     return Baseline(content, done)
+
+
+def _are_acceptances(said: object) -> bool:
+    """Whether each has the fields of an acceptance, and they are texts; earlier ones have no engine."""
+    names = {field.name for field in fields(Acceptance)}
+    return bool(said) and isinstance(said, list) and all(
+        isinstance(one, dict)
+        and names - {"engine"} <= one.keys() <= names
+        and all(_are_texts(value) if name == "weaker" else isinstance(value, str) for name, value in one.items())
+        for one in said
+    )  # fmt: skip
 
 
 def _is_content(content: object) -> bool:
     return isinstance(content, dict) and all(
-        isinstance(entry, dict)
-        and all(
-            isinstance(value, str)
-            or (isinstance(value, list) and all(isinstance(text, str) for text in value))
-            for value in entry.values()
-        )
-        for entry in content.values()
+        isinstance(entry, dict) and all(_is_value(key, field, value) for field, value in entry.items())
+        for key, entry in content.items()
     )
+
+
+def _is_value(key: str, field: str, value: object) -> bool:
+    if counted(key.partition(" ")[0], field):
+        return isinstance(value, str) and _COUNT.fullmatch(value) is not None
+    return isinstance(value, str) or _are_texts(value)
+
+
+def _are_texts(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(text, str) for text in value)
