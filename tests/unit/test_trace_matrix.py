@@ -501,3 +501,28 @@ def test_a_document_has_come_to_no_more_than_in_cells(
     row = next(row for row in matrix.rows if row.requirement.id == "S-1-B-1")
     assert status in {item.status for item in row.cells["S-2-A"].items if item.name == path}
     assert matrix.graph.nodes["document", path].attributes["outcome"] == outcome
+
+
+_BELOW = """document: requirements
+title: Paint
+requirements:
+  - {id: X-1, title: Visible, statement: The vehicle shall be seen., rationale: Who is seen is not run into., adopted: The city demands it.,
+     status: approved, asil: QM, verification: [review], source: letter}
+  - {id: X-2, title: Bright, statement: The paint shall be bright., rationale: Dark paint is not seen., refines: [X-1],
+     status: approved, asil: QM, verification: [review], source: letter}
+  - {id: %s, title: Yellow, statement: The paint shall be yellow., rationale: Yellow is bright., refines: [X-2],
+     status: %s, asil: QM, verification: [review], source: letter}
+"""
+
+
+@pytest.mark.parametrize(("id_", "status", "told"), [
+    ("RR-7", "approved", []), ("X-3", "approved", ["X-1", "X-2", "X-3"]), ("RR-7", "obsolete", ["X-1", "X-2"]),
+])  # fmt: skip
+def test_what_no_stage_asks_anything_of_is_told(
+    id_: str, status: str, told: list[str], tmp_path: Path
+) -> None:
+    """But not where what refines it is asked, at any depth, as it has to be shown there."""
+    small = Small.copy(tmp_path)
+    small.replace("requirements/v-model.yaml", 'shows: its tests, applies_to: ["*"]', "shows: its tests, applies_to: [S-1-*, RR-*]")  # fmt: skip
+    (small.root / "requirements" / "more.yaml").write_text(_BELOW % (id_, status), "utf-8")
+    assert [f.subject for f in small.matrix().findings if f.code == "T149"] == told

@@ -230,6 +230,7 @@ def _v_model(project: Project) -> Iterator[Finding]:
                 message = f"the gate demands `{pattern}` at {demand.stage}, which asks nothing of it"
                 help_ = f"add it to `applies_to` of {demand.stage}, or strike the demand"
                 yield warning("T149", message, pattern.place, help_, pattern)
+    yield from _unasked(project)
     for scenario in project.scenarios:
         if scenario.expect == "fire" and not scenario.by:
             yield error(
@@ -252,3 +253,20 @@ def _v_model(project: Project) -> Iterator[Finding]:
                 "give `stages` and `requirements`, or `codes` and `subjects`",
                 waiver.id,
             )
+
+
+def _unasked(project: Project) -> Iterator[Finding]:
+    """T149 for what is demanded and has no cell, nor has anything that refines it, at any depth: whatever shows it, or does not, the gate asks nothing of it."""
+    demanded = {str(r.id): r for r in project.by_id.values() if r.demanded}
+    patterns = [pattern for stage in project.stages for pattern in stage.applies_to]
+    asked = {id_ for id_ in demanded if matches(id_, patterns)}
+    todo = list(asked)
+    while todo:
+        above = {str(up) for up in demanded[todo.pop()].refines} & demanded.keys() - asked
+        asked |= above
+        todo += above
+    for id_, requirement in demanded.items():
+        if patterns and id_ not in asked:  # where there are no stages, that is what is wrong
+            message = f"no stage asks anything of `{id_}`, nor of what refines it"
+            help_ = "add it to `applies_to` of the stages that are to show it, or correct its id"
+            yield warning("T149", message, requirement.place, help_, id_)
