@@ -168,6 +168,23 @@ def test_an_acceptance_says_what_became_less(text: str, enough: bool) -> None:
     assert accepted(less, [text]) is enough
 
 
+@pytest.mark.parametrize(("kind", "field", "before", "now"), [
+    ("requirement", "refines", ["a", "b"], []), ("waiver", "stages", [], ["a", "b"]), ("evidence", "requirements", [], ["a", "b"]),
+])  # fmt: skip
+@pytest.mark.parametrize(("said", "enough"), [
+    (["`a`"], False), (["`a`, `c`"], False), (["`a`, `b`"], True), (["`b`", "`a`"], True), (["`a`", "`a`"], False), ([], False),
+])  # fmt: skip
+def test_an_acceptance_names_each_of_a_list(
+    kind: str, field: str, before: list[str], now: list[str], said: list[str], enough: bool
+) -> None:
+    """Who accepted that one of them left, or came, has accepted nothing of the others; and what left has not come."""
+    own = {"methods": ["review"]}
+    (less,) = (c for c in changes({f"{kind} x": {**own, field: before}}, {f"{kind} x": {**own, field: now}}) if c.weaker)  # fmt: skip
+    verb, other = ("left", "came") if before else ("came", "left")
+    assert accepted(less, [f"{kind} x: in its {field} {names} {verb}" for names in said]) is enough
+    assert not accepted(less, [f"{kind} x: in its {field} `a`, `b` {other}"])
+
+
 def test_a_count_that_was_accepted_may_be_more_again() -> None:
     (less,) = changes(
         {"project": {"boundary tests a rule": "3"}}, {"project": {"boundary tests a rule": "2"}}
@@ -263,3 +280,45 @@ def test_that_a_new_recording_comes_from_the_field_is_for_somebody_to_say(origin
     assert weaker({}, now) == said * named
     assert [change.unasked for change in changes({}, now)] == [named]
     assert weaker(now, now) == []
+
+
+@pytest.mark.parametrize(("kind", "field", "old", "new", "less"), [
+    ("hazard", "severity", "S2", "S3", False), ("hazard", "severity", "S3", "S2", True), ("hazard", "exposure", "E4", "", True),
+    ("hazard", "controllability", "C2", "S3", True), ("hazard", "situation", "a" * 64, "a" * 63 + "b", True),
+    ("hazard", "rationale", "a" * 63 + "b", "a" * 64, True), ("safety-goal", "severity", "S2", "S3", True),
+    ("waiver", "expires", "2026-12-31", "2027-01-01", True), ("waiver", "expires", "2027-01-01", "2026-12-31", False),
+    ("waiver", "granted", "2026-02-01", "2026-01-01", True),
+    ("rule", "source", "a paper", "another paper", False), ("rule", "source", "a paper", "TBD", True), ("rule", "source", "a paper", "", True),
+])  # fmt: skip
+def test_what_has_an_order_is_less_in_one_direction_alone(
+    kind: str, field: str, old: str, new: str, less: bool
+) -> None:
+    """And of a text, which has none, nobody knows."""
+    before, now = ({"kept": "a", **({field: text} if text else {})} for text in (old, new))
+    found = [c for c in changes({f"{kind} X-1": {**before}}, {f"{kind} X-1": {**now}}) if c.field == field]
+    assert [c.weaker for c in found] == [less]
+
+
+SHOWN: Content = {
+    "evidence docs/a.md at S-1": {
+        "sha256": "a" * 64,
+        "requirements": ["R-1"],
+        "methods": ["review"],
+        "answers": ["R-1: review"],
+    }
+}
+
+
+@pytest.mark.parametrize(("before", "name", "changed", "gone"), [
+    (SHOWN, "evidence docs/b.md at S-1", {}, False), (SHOWN, "evidence docs/b.md at S-2", {}, True),
+    (SHOWN, "evidence docs/b.md at S-1", {"answers": ["R-1: analysis"]}, True), (SHOWN, "evidence docs/b.md at S-1", {"sha256": "b" * 64}, True),
+    ({"evidence docs/a.md at S-1": {"requirements": ["R-1"]}}, "evidence docs/b.md at S-1", {}, True),
+    ({"requirement R-1": {"statement": "a" * 64}}, "requirement R-2", {}, True), ({"rule x": {"meaning": "a" * 64}}, "rule y", {}, True),
+    ({"fault a.yaml x": {"put in": "a"}}, "fault a.yaml y", {}, True), ({"stage S-1": {"counts": ["rule"]}}, "stage S-2", {}, True),
+])  # fmt: skip
+def test_what_is_called_otherwise_is_gone_unless_its_name_says_nothing(
+    before: Content, name: str, changed: dict[str, str | list[str]], gone: bool
+) -> None:
+    """A page that shows the same is the same one elsewhere, as far as all else of it is; an id is never given up without a word."""
+    ((key, entry),) = before.items()
+    assert weaker(before, {name: {**entry, **changed}})[: 1 if gone else None] == [f"{key} is gone"] * gone
