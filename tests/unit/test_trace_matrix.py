@@ -503,6 +503,24 @@ def test_a_document_has_come_to_no_more_than_in_cells(
     assert matrix.graph.nodes["document", path].attributes["outcome"] == outcome
 
 
+_PAGE = "title: The layout, stage: S-2-A, requirements: [S-1-B-*]"
+_SCENE = "cut_in.jsonl, stage: S-4-A, expect: ground_truth"
+
+
+@pytest.mark.parametrize(("old", "new", "requirement", "stage", "expected"), [
+    (_PAGE, _PAGE, "S-1-B-1", "S-2-A", "covered"), (_PAGE, _PAGE.replace("S-2-A", "S-1-B"), "S-1-B-1", "S-2-A", "missing"),
+    (_PAGE, _PAGE.replace("S-1-B-*", "S-1-A-*"), "S-1-B-1", "S-2-A", "missing"),
+    (_SCENE, _SCENE, "S-1-A-2", "S-4-A", "covered"), (_SCENE, _SCENE.replace("S-4-A", "S-3-B"), "S-1-A-2", "S-4-A", "missing"),
+    (_SCENE, f"{_SCENE}, requirements: [RR-*]", "S-1-A-2", "S-4-A", "missing"),
+])  # fmt: skip
+def test_evidence_counts_at_its_stage_and_of_its_requirements_alone(
+    old: str, new: str, requirement: str, stage: str, expected: str, tmp_path: Path
+) -> None:
+    small = Small.copy(tmp_path)
+    small.replace("requirements/v-model.yaml", old, new)
+    assert status(small.matrix(), requirement, stage) == expected
+
+
 _BELOW = """document: requirements
 title: Paint
 requirements:

@@ -113,3 +113,16 @@ def test_where_rules_are_asked_for_other_rules_stand_in_for_nothing(tmp_path: Pa
 @pytest.mark.parametrize("requirements", ['["*"]', "[S-1-A-*]"])
 def test_only_a_scenario_that_names_it_counts(tmp_path: Path, requirements: str) -> None:
     assert cell(named(tmp_path, "S-4-B", FIELD, requirements), "S-4-B") == ("missing", [])
+
+
+@pytest.mark.parametrize(("changed", "told"), [
+    ({}, True), ({"source_hash": "0" * 64}, False),
+])  # fmt: skip
+def test_what_a_monitor_judges_by_default_is_told_of_runs_of_today(
+    changed: dict[str, str], told: bool
+) -> None:
+    """Of a run that is stale nothing is known any more; and of a rule that there is no more, nothing either."""
+    found = matrix(Small(), defaults={"plan.seen": "A-GONE, A-SEEN, gap"}, **changed).findings
+    said = {f.message for f in found if f.code == "T249" and f.subject == FIELD}
+    expected = {f"`{FIELD}` does not have `plan.seen`, so A-SEEN is judged on the default of the spec"}
+    assert said == (expected if told else set())
