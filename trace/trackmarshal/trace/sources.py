@@ -28,8 +28,8 @@ SUFFIXES = (*_PYTHON, *_HASH, *_SLASHES)
 
 _MARKER = re.compile(r"[\s*/#!]*implements:?[ \t]+(?P<ids>[^\n]*)")
 _ID = re.compile(ID)
-#: A first word that was hardly meant as prose: an id, or one misspelt.
-_LIKE_AN_ID = re.compile(rf"{ID}|[A-Za-z][A-Za-z0-9]*([-_][A-Za-z0-9]+)*[-_][0-9]+")
+#: A first word that was hardly meant as prose: an id, with whatever marks around it, or one misspelt.
+_LIKE_AN_ID = re.compile(rf"[^\w\s]*{ID}[^\w\s]*|[A-Za-z][A-Za-z0-9]*([-_][A-Za-z0-9]+)*[-_][0-9]+")
 #: Strings, so that what looks like a comment in them is passed over, and comments.
 _C = r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|(?P<line>//[^\n]*)|(?P<block>/\*.*?\*/)'
 _THREE_QUOTES = r'"""(?:\\.|(?!""").)*"""'
