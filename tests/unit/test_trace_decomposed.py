@@ -59,6 +59,14 @@ def test_a_part_may_name_the_goal_that_the_whole_serves(shuttle: Path) -> None:
     assert findings(shuttle, "T160") == []
 
 
+def test_what_is_demanded_no_longer_serves_no_goal_for_its_parts(shuttle: Path) -> None:
+    edit(shuttle, NEEDS, PLANNED, f"    achieves: [SG-1]\n{PLANNED}")
+    text = (shuttle / NEEDS).read_text("utf-8")
+    whole = text[text.index("  - id: S-3\n") : text.index("  - id: S-31\n")]
+    edit(shuttle, NEEDS, whole, whole.replace("status: approved", "status: obsolete"))
+    assert [said.split()[1] for said in findings(shuttle, "T160")] == ["`S-31`"]
+
+
 def test_parts_of_parts_count_for_what_they_make_together(shuttle: Path) -> None:
     serving(shuttle, PLANNED)
     text = (shuttle / NEEDS).read_text("utf-8")

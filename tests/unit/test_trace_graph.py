@@ -23,9 +23,11 @@ from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
 from trackmarshal.trace.graph.integrity import by_table_4
 from trackmarshal.trace.graph.kinds import LINKS, NODES, WAYS
 from trackmarshal.trace.graph.paths import named, paths
-from trackmarshal.trace.graph.reviewed import reviewed
+from trackmarshal.trace.graph.reviewed import reviewed, unreviewed
 from trackmarshal.trace.graph.schema import default
+from trackmarshal.trace.model import Reviewed
 from trackmarshal.trace.spec import Spec
+from trackmarshal.trace.values import Placed
 
 WAREHOUSE = HERE / "warehouse"
 NOWHERE = Place("x.yaml", 1, 1)
@@ -390,6 +392,22 @@ def test_the_last_review_of_the_present_version_counts(
     links = [Link("reviews", one.key, read.key, state, NOWHERE) for one in made]
     graph = Graph({node.key: node for node in (read, *made)}, links)
     assert reviewed(graph, read) == (stands and state == "covers")
+
+
+@pytest.mark.parametrize(("ids", "from_asil", "expected"), [
+    ((), "", ["R-A", "R-BD", "R-C", "R-QM", "R-none"]), ((), "QM", ["R-A", "R-BD", "R-C", "R-QM"]), ((), "A", ["R-A", "R-BD", "R-C"]),
+    ((), "B", ["R-BD", "R-C"]), ((), "C", ["R-C"]), ((), "D", []), (("R-A", "R-C"), "B", ["R-C"]), (("R-Q*",), "", ["R-QM"]), (("R-Q*",), "A", []),
+])  # fmt: skip
+def test_what_is_to_be_reviewed_is_of_these_ids_and_from_this_level_on(
+    ids: tuple[str, ...], from_asil: str, expected: list[str]
+) -> None:
+    """Of what is decomposed, what is left to it; what is demanded no longer need not be read."""
+    levels = {"R-A": "A", "R-BD": "B(D)", "R-C": "C", "R-QM": "QM", "R-none": ""}
+    gone = Node("requirement", "R-C-2", "", NOWHERE, {"asil": "D", "status": "obsolete"})
+    nodes = [*(Node("requirement", id_, "", NOWHERE, {"asil": level}) for id_, level in levels.items()), gone]
+    asked = Reviewed("requirement", tuple(Placed.at(one, NOWHERE) for one in ids), from_asil)
+    graph = Graph({node.key: node for node in nodes}, [])
+    assert [id_ for _, id_ in unreviewed(graph, [asked])] == expected
 
 
 def test_what_rules_read_is_a_node_of_whatever_kind_it_is() -> None:
