@@ -308,6 +308,14 @@ def test_a_decomposed_part_is_decomposed_again() -> None:
     assert trace_integrity(Graph(nodes, links)) == []
 
 
+def test_a_part_that_is_demanded_no_longer_makes_up_nothing() -> None:
+    graph = decomposed("D", "B(D)", "B(D)")
+    gone = graph.nodes["requirement", "R-2"]
+    assert trace_integrity(graph) == []
+    nodes = {**graph.nodes, gone.key: gone._replace(attributes={**gone.attributes, "status": "obsolete"})}
+    assert [f.code for f in trace_integrity(Graph(nodes, graph.links))] == ["T161"]
+
+
 def by_hand(graph: Graph, down: bool) -> dict[Key, set[Key]]:
     """What each node reaches, by adding one link at a time until nothing changes."""
     step = {
