@@ -1129,6 +1129,42 @@ def test_shared_memory_without_room_says_why(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one.lock"]
 
 
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="nobody says how much is locked")
+def test_it_serves_however_much_memory_may_be_locked(tmp_path: Path) -> None:
+    """Where all but its shared memory fitted, that could not be mapped: the lock was on whatever came behind it, too."""
+    program, most = built(), resource.getrlimit(resource.RLIMIT_MEMLOCK)[1]
+
+    def served(limit: int) -> dict[str, int]:
+        """Bytes that it takes, and that are locked."""
+
+        def limited() -> None:
+            # PR_CAPBSET_DROP, CAP_IPC_LOCK: the limit is for root, too.
+            ctypes.CDLL(None).prctl(24, 14, 0, 0, 0)
+            resource.setrlimit(resource.RLIMIT_MEMLOCK, (limit, limit))
+
+        command = program.command(shm=str(tmp_path / "one"))
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, text=True, preexec_fn=limited  # noqa: PLW1509
+        ) as process:  # fmt: skip
+            assert process.stdout is not None
+            try:
+                assert process.stdout.readline() == f"serves {tmp_path}/one\n", limit
+                lines = Path(f"/proc/{process.pid}/status").read_text("ascii").splitlines()
+            finally:
+                process.kill()
+        sizes = (line.split() for line in lines if line.startswith(("VmSize", "VmLck")))
+        return {name.rstrip(":"): int(size) * 1024 for name, size, _ in sizes}
+
+    none = served(0)
+    assert none["VmLck"] == 0
+    shared = sum(file["size"] for file in program.layout.said["memory"]["files"])
+    for limit in range(none["VmSize"] - 2 * shared, none["VmSize"], 2 * shared // 3):
+        served(limit)
+    enough = 2 * none["VmSize"]
+    if most in (resource.RLIM_INFINITY, max(most, enough)):
+        assert served(enough)["VmLck"] > shared
+
+
 def test_one_supervisor_and_one_planner_for_a_name() -> None:
     with Served(built()) as served:
         other = Served.__new__(Served)

@@ -213,6 +213,9 @@ static unsigned port_of(const char *text) {
   return ((after != text) && (*after == '\0') && (port >= 1) && (port <= 65535)) ? (unsigned)port : 0u;
 }
 
+/* Where it is allowed: no page has to be fetched while driving. Once everything is there: what is mapped behind it has to fit, too, or it cannot be mapped. */
+static void keep_in_memory(void) { (void)mlockall(MCL_CURRENT | MCL_FUTURE); }
+
 static bool wait_of(const char *text, tml_waiting *how) {
   static const char *const names[] = {"sleep", "poll", "spin"};
   for (unsigned i = 0u; i < 3u; ++i) {
@@ -266,9 +269,9 @@ int main(int argc, char **argv) {
   action.sa_handler = end;
   (void)sigaction(SIGINT, &action, NULL);
   (void)sigaction(SIGTERM, &action, NULL);
-  (void)mlockall(MCL_CURRENT | MCL_FUTURE); /* where it is allowed: no page has to be fetched while driving */
   if (name != NULL) {
     if (!shared_memory(name)) { return 2; }
+    keep_in_memory();
     (void)printf("serves %s\n", name);
     (void)fflush(stdout);
     serve_memory(how);
@@ -278,6 +281,7 @@ int main(int argc, char **argv) {
       (void)fprintf(stderr, "port %u is taken: %s\n", port, strerror(errno));
       return 2;
     }
+    keep_in_memory();
     (void)printf("serves port %u\n", port);
     (void)fflush(stdout);
     serve_datagrams(socket_made, how);
