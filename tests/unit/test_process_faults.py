@@ -12,11 +12,13 @@ import os
 import resource
 import shutil
 import signal
+import socket
 import struct
 import subprocess
 import time
 from array import array
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,10 +27,11 @@ import numpy as np
 import pytest
 
 from support.cycles import cycle
-from support.processes import PATIENCE, Rig, Served, built
+from support.processes import PATIENCE, Rig, Served, built, free_port
 from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.client import Block, Border, Client
+from trackmarshal.process.datagrams import Datagrams
 from trackmarshal.process.executing import DRIVE, FALLBACK, NOTHING, Executing
 from trackmarshal.process.messages import Kind, LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
@@ -136,6 +139,18 @@ def test_the_planner_dies(rig: Rig) -> None:
     # A planner that is there again is driven by as soon as a cycle is safe.
     assert rig.step(10)["safe"] == 0  # it is late
     assert rig.step(11)["safe"] == 1
+
+
+@pytest.mark.parametrize("seconds", [math.inf, 1e10, 1e300])
+def test_who_listens_for_as_long_as_it_takes_hears_datagrams(seconds: float) -> None:
+    """A socket takes no time that the system's clock cannot count (OverflowError), and with such a patience nothing was ever driven."""
+    port = free_port()
+    with (
+        closing(Datagrams(built().layout, port, executing=True)) as ear,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as planner,
+    ):
+        planner.sendto(b"one", ("127.0.0.1", port))
+        assert ear.receive(seconds) == b"one"
 
 
 class Deaf:
