@@ -262,6 +262,32 @@ def test_both_start_anew(rig: Rig) -> None:
     assert rig.at(rig.now).action == DRIVE
 
 
+@BOTH
+def test_a_tick_of_before_is_no_time_to_a_supervisor_that_starts(rig: Rig) -> None:
+    """It stands in shared memory still; whoever simulates anew begins at 0 s."""
+    rig.later(100.0)
+    rig.served.kill()
+    rig.client.close()
+    rig.served.start()
+    rig.connect()
+    assert rig.step(0)["safe"] == 1
+
+
+def test_who_sends_no_message_gets_no_answer() -> None:
+    """What is sent goes to the planner of the last message that was taken, whoever else has sent something to the port."""
+    with (
+        Served(built(), udp=True) as served,
+        closing(Rig(served)) as rig,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+    ):
+        rig.step(0)
+        rig.refused()
+        stranger.sendto(b"who is there?", ("127.0.0.1", served.port))
+        beat = rig.client.hear(PATIENCE)
+        assert beat is not None
+        assert sum(beat["refused"]) == 1
+
+
 def test_a_planner_that_was_replaced_is_not_heard() -> None:
     """Two planners send: the one that started later counts."""
     with Served(built(), udp=True) as served:
