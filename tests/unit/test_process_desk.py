@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import math
 import os
+import re
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -224,6 +225,24 @@ def test_words_of_shared_memory_are_atomic_on_32_bits(tmp_path: Path) -> None:
     dll = ctypes.CDLL(str(_built(files, ["aligned.c", "-lm"], flags, "so")))
     dll.aligned.restype = ctypes.c_size_t
     assert dll.aligned() == 8
+
+
+def test_nothing_is_kept_but_in_what_a_caller_has(tmp_path: Path) -> None:
+    """Desks, clients and executing layers serve a thread each: two desks shared the line that was fetched last, and whoever was first wrote down
+    the tables of CRCs, beside those that read them."""
+    spec = tm.loads(SPEC)
+    source = generate(spec, list(spec.rules), doored=True)
+    made = Emitted(source, asdict(LIMITS))
+    for name, text in {"supervisor.h": source.header, **made.files}.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    units = [f"{name}.c" for name in ("messages", "mailbox", "desk", "client", "executing")]
+    sizes = [f"-D{name}={size}u" for name, size in made.sizes.items()]
+    command = [*(compiler() or []), *EXACT, "-fno-pie", "-O0", *sizes, "-c", *units]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    objects = [unit.replace(".c", ".o") for unit in units]
+    said = subprocess.run(["nm", *objects], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert "T tml_crc" in said
+    assert [line for line in said.splitlines() if re.search(" [BbCDdGgSs] ", line)] == []
 
 
 class Sent:

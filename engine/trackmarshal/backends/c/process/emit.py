@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -97,9 +98,17 @@ def _context(
         "params": [
             (source.plan.params[name], literal(value)) for name, value in in_force(source.plan, settings.params, limits).items()
         ],
-        "tables": tables,
+        "tables": tables, "crc": _crc(),
         "regions": regions(made), "region_magic": REGION_MAGIC, "region_version": REGION_VERSION, "bell": BELL, "line": LINE,
     }  # fmt: skip
+
+
+def _crc() -> list[list[str]]:
+    """What a CRC of zero comes to of each byte, with 0, 1, ... 7 others behind it that are 0."""
+    return [
+        [f"0x{zlib.crc32(bytes([one, *behind]), 2**32 - 1) ^ 2**32 - 1:08x}u" for one in range(256)]
+        for behind in map(bytes, range(8))
+    ]
 
 
 def _word(name: str) -> str:

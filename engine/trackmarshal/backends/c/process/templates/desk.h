@@ -31,6 +31,7 @@ typedef struct {
     uint64_t version;     /* 0: none is known */
     uint64_t id;
   } lines[TML_LINES];
+  tml_message fetched;    /* the last line that was asked for */
 #endif
 } tml_desk;
 
