@@ -13,15 +13,18 @@ from typing import Any
 
 import pytest
 
+import trackmarshal as tm
 from support.processes import PATIENCE, built
 from support.shared import REPOSITORY, SUPERVISOR
 from support.supervised import shipped
+from trackmarshal.backends.c.example import example
 from trackmarshal.backends.c.process import emit
 from trackmarshal.backends.c.process.emit import Emitted
 from trackmarshal.backends.c.process.table import SIZES
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.cli import serve
+from trackmarshal.cli.compile import _TAKEN
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.process.copies import link
@@ -32,6 +35,14 @@ from trackmarshal.runtime.cycle import Limits
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 
+#: What can be supervised.
+PLAIN = """module plain
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+rule slow ""
+  for all p in plan
+  require p.v <= 30 m/s
+"""
 #: A planner that has nothing but Python and what was emitted.
 PLANNER = """
 import sys
@@ -178,6 +189,26 @@ def test_it_says_why_no_supervisor_can_be_made(tmp_path: Path, capsys: pytest.Ca
     assert f"so it cannot be a process: {why}" in capsys.readouterr().err
     assert main(["compile", str(spec), "--out", str(tmp_path / "out")]) == 0
     assert f"note: without a Supervisor, as {why}: rules alone" in capsys.readouterr().err
+
+
+def test_a_name_by_which_nothing_could_be_built_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A header of the system was looked for in the folder, and found there; CMake, and the linker of `-lm`, know the others as something else."""
+    out = tmp_path / "out"
+    for name in ("math", "Stdio", "all", "help", "m", "mailbox"):
+        assert main(["compile", str(SUPERVISOR), "--out", str(out), "--name", name]) == 2
+        assert f"error[E474]: `{name}` is no name for a C file" in capsys.readouterr().err
+    spec = tm.loads(PLAIN)
+    source = generate(spec, list(spec.rules), "car", doored=True)
+    texts = {
+        "car.c": source.source, "car.h": source.header, **example(source, None), **Emitted(source, asdict(Limits())).files,
+    }  # fmt: skip
+    read = {name for text in texts.values() for name in re.findall(r"#include <(\w+)\.h>", text)}
+    written = {name[:-2] for name in texts if name.endswith((".c", ".h"))} - {"car"}
+    assert {"math", "poll"} < read
+    assert {"main", "desk"} < written
+    assert read | written <= _TAKEN
 
 
 def test_a_context_that_no_machine_has_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -64,11 +64,11 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
     from trackmarshal.runtime.contract import PLAN
 
-    if not plain(args.name) or args.name in _TAKEN:
+    if not plain(args.name) or args.name.casefold() in _TAKEN:
         raise TrackmarshalError(
             "E474",
             f"`{args.name}` is no name for a C file",
-            help="letters, digits and _, no digit first; not `main` or `cycles`, nor another file that is written",
+            help="letters, digits and _, no digit first; not `main` or `cycles`, nor another file that is written, a header of the system, or a target of CMake's",
         )
     project = optional_project(args)
     spec_path = Path(args.spec) if args.spec is not None else default_spec(find_project(args))
@@ -136,19 +136,14 @@ def run(args: argparse.Namespace) -> int:
 
 #: As many bytes of a context as a whole Supervisor may have in Python: 1 GiB.
 _ROOM = 2**30
-#: Names of other files that are written.
-_TAKEN = (
-    "main",
-    "cycles",
-    "glue",
-    "messages",
-    "mailbox",
-    "desk",
-    "process",
-    "client",
-    "client_example",
-    "executing",
+#: Names of other files that are written; of headers of the system, which would be looked for beside them; and of what CMake, or a linker, calls so.
+_WRITTEN = "main cycles glue messages mailbox desk process client client_example executing"
+_HEADERS = (
+    "assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio stdlib string"
+    " tgmath time wchar wctype alloca endian fcntl features poll sched unistd"
 )
+_TARGETS = "all all_build clean edit_cache help install m preinstall rebuild_cache zero_check"
+_TAKEN = frozenset(" ".join([_WRITTEN, _HEADERS, _TARGETS]).split(" "))
 
 
 def _refuse_others(folder: Path, names: Iterable[str]) -> None:
