@@ -1089,6 +1089,7 @@ def test_files_of_shared_memory_have_their_room_from_the_start(tmp_path: Path) -
     for file in program.layout.said["memory"]["files"]:
         about = os.stat(f"{name}.{file['name']}")
         assert about.st_size == file["size"] <= about.st_blocks * 512
+        assert about.st_mode & 0o077 == 0  # whoever may write there can pose as the planner
 
 
 def mailboxes(folder: Path) -> tuple[Region, Region]:
