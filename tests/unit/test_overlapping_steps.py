@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import FrameType
+from types import FrameType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -24,7 +24,7 @@ from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import FAULTS
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record import Record, read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 
@@ -243,6 +243,40 @@ def test_a_cycle_in_which_a_step_was_stopped_is_a_gap_to_rules_over_the_run(back
         (False, False)
     ] * 3
     assert [step(number, 0.0).safe for number in range(11, 16)][-1]
+
+
+def test_a_cycle_in_which_a_step_was_stopped_is_missing_in_the_record(backend: str, tmp_path: Path) -> None:
+    """Nothing of it was there, so that a replay decided the next cycle otherwise (`skipped`), and did not know why. What was not read is none, and what
+    stands in the record is there."""
+    clock, path = Clock(), tmp_path / "run.arrows"
+    one = made(backend, clock, path)
+    assert [stepped(one, clock, number).safe for number in range(3)] == [True] * 3
+
+    def stop(*given: Any) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        one.step(replace(cycle(3), signals=Stopping()))
+    clock.asks = stop
+    with pytest.raises(KeyboardInterrupt):
+        stepped(one, clock, 3)
+    assert stepped(one, clock, 4).safe
+    recorder = one.recorder
+    assert isinstance(recorder, Record)
+
+    def append(*given: Any) -> None:
+        recorder.append(*given)
+        stop()
+
+    one.recorder = SimpleNamespace(append=append, stopped=recorder.stopped, close=recorder.close)
+    with pytest.raises(KeyboardInterrupt):
+        stepped(one, clock, 5)
+    one.recorder = recorder
+    assert stepped(one, clock, 6).safe
+    one.close()
+    run = read(path.read_bytes(), str(path))
+    assert [one.cycle.number for one in run.cycles if isinstance(one.cycle, Cycle)] == [0, 1, 2, 4, 5, 6]
+    assert (run.missed, run.damage, run.ended) == (1, "", True)
 
 
 def borders() -> dict[str, Any]:

@@ -283,6 +283,8 @@ def test_a_record_that_fails_leaves_the_decision(tmp_path: Path) -> None:
         def append(self, *args: object) -> None:
             raise OSError(28, "No space left on device")
 
+        def stopped(self) -> None: ...
+
         def close(self) -> None: ...
 
     supervisor, _, clock = made()

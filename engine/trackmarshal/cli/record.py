@@ -134,7 +134,9 @@ def _summary(
     if run.damage:
         lines.append(run.damage)
     if run.missed:
-        lines.append(f"{run.missed} cycles could not be written; what was decided in them is not known")
+        lines.append(
+            f"{run.missed} cycles are missing, which could not be written, or whose steps were stopped; what was decided in them is not known"
+        )
     if not decisions:
         return [*lines, "no decision is in it: none is shown to be the same"]
     if not found and not run.missed and not run.damage:

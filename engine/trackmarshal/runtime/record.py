@@ -7,7 +7,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
-- `missed`: how many cycles before this one could not be written (a full disk); a row without a `state` is no cycle: it says only that, or has
+- `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
   in `raw` a part of a snapshot (`snapshots.py`), from which a replay can start;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
   rule: s, v, u, i, o) and `margins.CANDIDATE`.
@@ -96,7 +96,7 @@ class Record:
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
         self._kept: dict[tuple[str, str], Any] = {}
-        #: How long the file is up to its last whole row, and cycles since then that could not be written.
+        #: How long the file is up to its last whole row, and cycles since then that have none.
         self._end = 0
         self._missed = 0
         #: How many rows the file has.
@@ -157,6 +157,11 @@ class Record:
         part = self._snapshots.next()
         if part:
             self._beside(part)
+
+    def stopped(self) -> None:
+        """A cycle that has no row: what comes behind it rests on it, and nobody knows what would have been decided."""
+        self._missed += 1
+        self._cycles += 1
 
     @property
     def snapshot_error(self) -> str:

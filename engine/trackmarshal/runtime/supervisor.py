@@ -63,12 +63,15 @@ class Recorder(Protocol):
         self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
     ) -> None: ...
 
+    def stopped(self) -> None:
+        """A cycle that was read, and of which nothing was decided: its step was stopped."""
+
     def close(self) -> None: ...
 
 
 @dataclass(slots=True)
 class Opened:
-    """A step that has begun: which one it is, what the door says, and the clock's readings as they came."""
+    """A step that has begun: which one it is, what the door says, and the clock's readings as they came. recorded: whether it was handed to the recorder."""
 
     about: int
     cycle: object
@@ -76,6 +79,7 @@ class Opened:
     readings: list[float]
     faults: list[Fault]
     admission: Admission | None = None
+    recorded: bool = False
 
 
 @dataclass(slots=True)
@@ -187,6 +191,8 @@ class Supervisor(OfOneRun):
                 # What was read counts as the last cycle, and rules that remember know nothing of it: a gap.
                 if self.memory is memory:
                     self.memory = self._gap(_Closing())
+                if self.recorder is not None and not opened.recorded:
+                    self.recorder.stopped()
                 raise
         finally:
             if own:
@@ -260,6 +266,7 @@ class Supervisor(OfOneRun):
             decision = self._decide(opened, closing, None)
             self.memory = self._gap(closing)
         if self.recorder is not None:
+            opened.recorded = True
             try:
                 frame = None if admission is None else admission.frame
                 self.recorder.append(opened.cycle, frame, decision, (opened.readings[0], opened.readings[1]))

@@ -118,10 +118,9 @@ class CSupervisor(OfOneRun):
             if stepping is None
             else stepping(source)
         )
-        #: How many steps C has taken, where rules over the run have to be told of one that was stopped.
-        self._counted: Sequence[int] = (0,)
-        if self.contract.over_run and isinstance(self.stepper, Stepper):
-            self._counted = self.stepper.serial
+        #: How many steps C has taken, where it is here; and how many it had when a step was handed to the recorder.
+        self._counted: Sequence[int] = self.stepper.serial if isinstance(self.stepper, Stepper) else (0,)
+        self._recorded = 0
         self._recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
         self.record_error = ""
@@ -166,8 +165,11 @@ class CSupervisor(OfOneRun):
             if frame is not None and stamp.number is not None and stamp.t is not None:
                 earlier = self._unseen[1] if self._unseen[0] is quick.stored else ()
                 self._unseen = quick.stored, (*earlier, Plan(EMERGENCY, stamp.number, stamp.t, frame))
-            if self._counted[0] > before:
-                self._gap()
+            if (taken := self._counted[0]) > before:
+                if self.contract.over_run:
+                    self._gap()
+                if self._recorder is not None and self._recorded != taken:
+                    self._recorder.stopped()
             raise
         return decision or overlapping()
 
@@ -250,6 +252,7 @@ class CSupervisor(OfOneRun):
     def _kept(self, cycle: Cycle | None, frame: Frame | None, decision: Decision, now: float) -> Decision:
         """The decision, in the record where there is one."""
         if self._recorder is not None:
+            self._recorded = self._counted[0]
             try:
                 self._recorder.append(cycle, frame, decision, (now, decision.finished))
             except Exception as error:
