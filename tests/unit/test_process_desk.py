@@ -11,8 +11,11 @@ import math
 import os
 import re
 import subprocess
+import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -822,6 +825,36 @@ def test_a_message_is_whole_before_it_is_the_newest(c: C, boxed: tuple[Memory, R
         assert reading.get("tick", k - 1) == (k, message)
         before[k % 2] = message
     assert seen == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere, nobody sleeps")
+@pytest.mark.parametrize("c_sleeps", [True, False])
+def test_whoever_sleeps_is_woken(c_sleeps: bool, c: C, boxed: tuple[Memory, Region], tmp_path: Path) -> None:
+    """Without a wake, every cycle waited until the process looked by itself: nothing was wrong but the time that it took."""
+    region, reading = boxed
+    asleep, over = threading.Event(), list[float]()
+
+    def sleep() -> None:
+        heard, begin = reading.heard, time.monotonic()
+        asleep.set()
+        if c_sleeps:
+            c.dll.tml_wait(ctypes.byref(region), ctypes.c_uint32(heard), ctypes.c_double(1.0), 0)
+        else:
+            reading.wait(heard, 1.0)
+        over.append(time.monotonic() - begin)
+
+    sleeper = threading.Thread(target=sleep)
+    sleeper.start()
+    asleep.wait()
+    time.sleep(0.1)
+    if c_sleeps:  # which Python wakes
+        with closing(Region(c.layout, "cycles", str(tmp_path / "one.cycles"), True)) as writing:
+            writing.put("tick", bytearray(48))
+    else:
+        c.dll.tml_put(ctypes.byref(region), c.box("cycles", "tick"), c.room(bytes(48)))
+    sleeper.join()
+    assert 0.05 < over[0] < 0.9
+    reading.close()
 
 
 def test_what_is_written_while_it_is_read_is_not_taken(
