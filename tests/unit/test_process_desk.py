@@ -1228,6 +1228,23 @@ def test_c_hears_nothing_of_before_and_each_message_once(planner: CClient) -> No
     assert list(planner.sent()) == ["tick"]
 
 
+@pytest.mark.verifies("S-1-B-7")
+def test_only_a_decision_about_the_very_message_is_its_answer_in_c(planner: CClient) -> None:
+    """Planners count alike: a decision about the cycle of another one says nothing of this one's."""
+    c, decision = planner.c, planner.c.layout.kinds["decision"]
+    head = planner.send()["cycle"].head
+    own = (head.session, head.sequence)
+    about = [(head.session + 1, head.sequence), (head.session, head.sequence - 1), (head.session, 0), own]
+    for sequence, (session, number) in enumerate(about, start=1):
+        message = bytearray(decision.length)
+        for entry, value in {"serial": 1, "about_session": session, "about_sequence": number}.items():
+            decision.put(message, entry, value)
+        planner.decisions.put("decision", bytearray(c.sealed("decision", message, 1, sequence, 0.0)))
+        answered = c.dll.tml_client_answer(planner.at, head.sequence, 0.001, c.room())
+        assert answered == ((session, number) == own)
+    assert planner.refused("content") == 0
+
+
 # The client in Python ---------------------------------------------------------------------------------------------------
 
 
