@@ -564,6 +564,44 @@ def test_rules_alone_have_no_verdict_with_arithmetic_of_another_kind(tmp_path: P
     assert said == [(0, "0 0 1 0", False), (0, "4 2 0 2", False), (1, "", True)]
 
 
+#: As a host has it for each of its programs.
+ITS_OWN = """#include "supervisor.h"
+static tm_context context;
+int begun_{limit}(void) {{ return (int)tm_init(&context); }}
+"""
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("ar") is None, reason="no gcc")
+@pytest.mark.parametrize("doored", [False, True])
+def test_two_programs_that_are_linked_are_told_apart(doored: bool, tmp_path: Path) -> None:
+    """Functions of both have the same names: of libraries, as the CMakeLists.txt makes them, the linker takes the first one's without a word. A car
+    of which at most 10 m/s are demanded was held to the other one's 20 m/s."""
+    text = (
+        "module m\nparam top : m/s = {limit} m/s\n"
+        "signal plan : trajectory {{ t: s increasing, x: m, y: m, heading: rad, v: m/s }}\n"
+        "signal ego : state {{ x: m, y: m, heading: rad, v: m/s }}\n"
+        'rule slow ""\n  for all p in plan\n  require p.v <= top\n'
+    )
+    begun = [f"begun_{limit}" for limit in (10, 20)]
+    main = f"int {begun[0]}(void);\nint {begun[1]}(void);\nint main(void) {{ return {begun[0]}() + (10 * {begun[1]}()); }}\n"
+    (tmp_path / "main.c").write_text(main)
+    for limit in (10, 20):
+        spec, folder = loads(text.format(limit=limit)), tmp_path / str(limit)
+        made = generate(spec, list(spec.rules), doored=doored)
+        folder.mkdir()
+        (folder / "supervisor.h").write_text(made.header)
+        (folder / "supervisor.c").write_text(made.source)
+        (folder / "host.c").write_text(ITS_OWN.format(limit=limit))
+        for words in ("gcc -std=c99 -c supervisor.c host.c", "ar rc lib.a supervisor.o"):
+            subprocess.run(words.split(), cwd=folder, check=True)
+    ends = []
+    for libraries in (["10/lib.a", "20/lib.a"], ["20/lib.a", "10/lib.a"]):
+        command = ["gcc", "main.c", "10/host.o", "20/host.o", *libraries, "-lm", "-o", "made"]
+        subprocess.run(command, cwd=tmp_path, check=True)
+        ends.append(subprocess.run([tmp_path / "made"], check=False).returncode)
+    assert ends == [40, 4]
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("capacity", [at_length("SAMPLES"), "BORDER", at_length("REASONS")])
 def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Path) -> None:

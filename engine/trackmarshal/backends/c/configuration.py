@@ -187,13 +187,13 @@ def _defaults(plan: Layout) -> Iterator[str]:
 
 
 def _init(plan: Layout, given: Supervised) -> Iterator[str]:
-    yield "tm_status tm_init_of(tm_context *c, size_t context, size_t decision)"
+    yield "tm_status tm_init_of(tm_context *c, unsigned long program, size_t context, size_t decision)"
     yield "{"
     yield "  tm_configuration own;"
     yield "  tm_configured said;"
     yield "  tm_status status = TM_OK;"
     yield "  c->made = 0u; /* the first member, wherever the others are */"
-    yield "  if ((context != sizeof(tm_context)) || (decision != sizeof(tm_decision))) {"
+    yield "  if ((program != TM_PROGRAM) || (context != sizeof(tm_context)) || (decision != sizeof(tm_decision))) {"
     yield "    return TM_UNSUPPORTED;"
     yield "  }"
     yield "  c->configured = 0u;"

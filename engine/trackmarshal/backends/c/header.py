@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 
 from trackmarshal.backends.c import interface, places
@@ -43,7 +44,7 @@ def header(
     """The text of the header file."""
     begins, end = places.firsts(plan)
     context = {
-        "guard": f"TM_{name.upper()}_H", "plan": plan, "given": supervised, "series": series, "monitors": monitors,
+        "guard": f"TM_{name.upper()}_H", "program": _program(plan, codes, supervised is not None), "plan": plan, "given": supervised, "series": series, "monitors": monitors,
         "along": along(plan), "capacities": [(macro, _capacity(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
@@ -55,6 +56,12 @@ def header(
     if supervised is not None:
         context |= interface.said(plan)
     return render("program/header.h.j2", context)
+
+
+def _program(plan: Layout, codes: Sequence[RuleCode], supervised: bool) -> str:
+    """Tells programs apart whose contexts have one size: 8 hexadecimal digits."""
+    told = [plan.spec.fingerprint, str(supervised), *(code.rule.name for code in codes)]
+    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
 
 
 #: Capacities that are limits of a Supervisor, by their names there.
