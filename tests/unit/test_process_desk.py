@@ -1245,6 +1245,20 @@ def test_only_a_decision_about_the_very_message_is_its_answer_in_c(planner: CCli
     assert planner.refused("content") == 0
 
 
+def test_a_client_in_c_sends_nothing_in_a_fork(planner: CClient) -> None:
+    """It would count on with the same numbers, and each take decisions about the other's cycles for its own."""
+    planner.send()
+    cycle = CCycle(**planner.given())
+    child = os.fork()
+    if child == 0:
+        sent = planner.c.dll.tml_client_send(planner.at, ctypes.byref(cycle))
+        os._exit(10 if sent == 0 and not planner.c.dll.tml_client_tick(planner.at) else 11)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 10
+    assert planner.sent() == {}
+    # Behind three lines and a cycle.
+    assert planner.send()["cycle"].head.sequence == 5
+
+
 # The client in Python ---------------------------------------------------------------------------------------------------
 
 
