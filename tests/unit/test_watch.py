@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -80,6 +81,24 @@ def test_only_specs_and_requirements_are_watched(tmp_path: Path) -> None:
     for name in ("a.spec", "b.yaml", "c.json", "d.spec~"):
         (tmp_path / name).write_text("x")
     assert sorted(Path(name).name for name in state([tmp_path, tmp_path / "gone"])) == ["a.spec", "b.yaml"]
+
+
+def test_a_folder_that_goes_away_while_it_is_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As another branch is checked out: `watch` ended, with an error."""
+    gone, scandir = tmp_path / "gone", os.scandir
+    gone.mkdir()
+    (tmp_path / "a.spec").write_text("module a\n")
+
+    def going(path: Any = ".") -> Any:
+        if gone.exists() and Path(path) == gone:
+            gone.rmdir()
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", going)
+    assert [Path(name).name for name in state([tmp_path])] == ["a.spec"]
+    assert not gone.exists()
 
 
 def test_a_quiet_round_is_quiet(

@@ -7,6 +7,7 @@ other: the next save is looked at again. Files that are saved together make one 
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -71,11 +72,11 @@ def _settled(paths: Sequence[Path], now: State, sleep: Callable[[float], None]) 
 
 
 def state(paths: Sequence[Path]) -> State:
-    """Every watched file below some paths; one that goes away meanwhile is not there."""
+    """Every watched file below some paths; one that goes away meanwhile is not there, nor is a folder."""
     found: State = {}
     for path in paths:
-        files = sorted(file for file in path.rglob("*") if file.suffix in _SUFFIXES) if path.is_dir() else [path]  # fmt: skip
-        for file in files:
+        inside = (Path(folder, name) for folder, _, names in os.walk(path) for name in names)
+        for file in (one for one in inside if one.suffix in _SUFFIXES) if path.is_dir() else [path]:
             try:
                 about = file.stat()
             except OSError:
