@@ -114,6 +114,10 @@ def test_it_serves_a_planner_that_has_nothing_of_trackmarshal(tmp_path: Path) ->
         (["--udp", "70000"], "error[E477]: 70000 is no port"),
         (["--udp", "7000", "--to", "0"], "error[E477]: 0 is no port"),
         (
+            ["--udp", "7000", "--to", "7001", "--to", "7000"],
+            "error[E477]: cycles come to port 7000, and decisions would, too",
+        ),
+        (
             ["--udp", "7000", *(f"--to={port}" for port in range(7001, 7010))],
             "error[E477]: decisions would go to 9 other ports, and there is room for 8",
         ),
@@ -128,6 +132,14 @@ def test_there_is_room_for_as_many_ports_as_in_the_process() -> None:
     """The number stands in both; of one more, the process would print its own usage."""
     template = Path(emit.__file__).parent / "templates" / "process.c"
     assert f"#define MOST_LISTENERS {serve.MOST_LISTENERS}u\n" in template.read_text("utf-8")
+
+
+def test_decisions_do_not_go_to_the_process_itself() -> None:
+    """In simulated time, each sign of life was answered by another one: 25,000 a second, beside which decisions were lost."""
+    command = built().command(udp=7000, to=[7001, 7000], simulated=True)
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
+    assert done.returncode == 2
+    assert done.stderr.startswith("--to is another port than --udp\n")
 
 
 def described(limits: Limits) -> dict[str, Any]:

@@ -61,6 +61,10 @@ def run(args: argparse.Namespace) -> int:
     for port in [*args.to, *([args.udp] if args.udp is not None else [])]:
         if not 1 <= port <= 65_535:
             raise TrackmarshalError("E477", f"{port} is no port", help="1 to 65535")
+    if args.udp in args.to:
+        raise TrackmarshalError(
+            "E477", f"cycles come to port {args.udp}, and decisions would, too", help="another port for --to"
+        )
     if len(args.to) > MOST_LISTENERS:
         raise TrackmarshalError(
             "E477",

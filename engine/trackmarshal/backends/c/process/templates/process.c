@@ -259,6 +259,9 @@ int main(int argc, char **argv) {
   }
   if ((name == NULL) == (port == 0u)) { return usage("--shm or --udp"); }
   if ((name != NULL) && (strlen(name) > 4000u)) { return usage("the path is too long"); }
+  for (size_t i = 0u; (port != 0u) && (i < listener_count); ++i) { /* in simulated time, each sign of life would be a datagram that asks for one */
+    if (listeners[i].sin_port == htons((uint16_t)port)) { return usage("--to is another port than --udp"); }
+  }
   if ((port != 0u) && (TML_DATAGRAMS == 0)) { return usage("a message is too long for a datagram: --shm, or smaller capacities"); }
   if (clock_gettime(CLOCK_MONOTONIC, &started) != 0) { return 2; }
   if (!tml_desk_start(&desk, ((uint64_t)started.tv_sec * UINT64_C(1000000000)) + (uint64_t)started.tv_nsec, simulated, &which)) {
