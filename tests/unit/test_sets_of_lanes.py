@@ -193,6 +193,32 @@ def test_what_cannot_be_read_is_refused(lanes: Any, code: str, text: str) -> Non
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("beside", [[], ["other"]])
+@pytest.mark.parametrize(
+    ("limit", "kind", "verdict"),
+    [(None, "shoulder", "satisfied"), (None, "driving", "undefined"), (math.nan, "shoulder", "satisfied")],
+)  # fmt: skip
+def test_a_lane_without_a_limit_leaves_undefined_what_asks_for_it(
+    backend: str, beside: list[str], limit: float | None, kind: str, verdict: str
+) -> None:
+    """Whether another rule measures on the lanes is no matter to one that reads a number of each."""
+    rule = "for all l in lanes where {}l.kind is driving\n  require ego.v <= l.limit + 30 m/s"
+    spec = loads(
+        f'{TEXT}rule made "made up"\n  {rule.format("")}\n\n'
+        f'rule other "made up"\n  {rule.format("footprint(ego, 4 m, 2 m) meets l and ")}\n'
+    )
+    lanes = [*LANES[:2], {**LANES[2], "limit": limit, "kind": kind}]
+    ego = {**EGO, "y": 7.5}  # over the second and the third
+    result = Evaluator(spec, ["made", *beside], backend=backend).case(
+        {"signals": {**SIGNALS, "lanes": lanes, "ego": ego}}
+    )
+    assert {name: found.verdict for name, found in result.rules.items()} == dict.fromkeys(
+        ["made", *beside], verdict
+    )
+    assert not result.safe
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
     ("lanes", "said"),
     [

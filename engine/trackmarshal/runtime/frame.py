@@ -235,6 +235,8 @@ class Settings:
 
 NO_SETTINGS = Settings()
 NO_ORDERS: frozenset[tuple[str, str]] = frozenset()
+#: The borders of a lane.
+SIDES = ("left", "right")
 #: Faults for which nothing of a signal can be used, whichever field they name.
 _WHOLE = {"not_increasing", "wrong_length", "too_short"}
 
@@ -333,7 +335,8 @@ class Frame:
                 or name in UNUSABLE
                 or fault.field == ID
                 or (fault.signal, fault.field) in self.lines
-                or fault.signal in self.lanes
+                # A field of a lane beside its borders is a number as any other: where it is missing, what it does not matter to is known.
+                or (fault.signal in self.lanes and fault.field in SIDES)
             ):
                 for signal, field_ in reads:
                     if signal == fault.signal and (whole or fault.field in ("", field_)):

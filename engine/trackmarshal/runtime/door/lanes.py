@@ -12,11 +12,10 @@ from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.faults import Fault, fault, name_of
-from trackmarshal.runtime.frame import Frame
+from trackmarshal.runtime.frame import SIDES, Frame
 from trackmarshal.runtime.geometry.corridor import corridor_region
 from trackmarshal.runtime.lines import Line
 
-SIDES = ("left", "right")
 #: Lanes of which it is remembered whether they can be used: those of a few cycles.
 KEPT = 512
 
