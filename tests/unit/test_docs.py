@@ -19,9 +19,11 @@ import trackmarshal as tm
 from trackmarshal.backends.c.source import generate
 from trackmarshal.cli.main import main
 from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.scenarios import load
 from trackmarshal.scenarios.supervised import cycles
 from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.testing.builders import BUILDERS
 from trackmarshal.testing.cases import prepare
 from trackmarshal.testing.run import run_tests
 
@@ -231,6 +233,24 @@ def test_every_declaration_and_clause_is_documented() -> None:
 
     page = (ROOT / "docs" / "language.md").read_text("utf-8")
     assert [word for word in DECLARATIONS if f"`{word}" not in page] == []
+
+
+def test_every_builder_is_documented_with_its_arguments() -> None:
+    """A row each, which names the arguments of its own, and their defaults; where it begins, all say alike."""
+    page = (ROOT / "docs" / "language.md").read_text("utf-8")
+    begins = {"x: 0 m", "y: 0 m", "heading: 0 rad"}
+    assert all(f"`{one}`" in page for one in begins)
+    assert [verdict for verdict in VERDICTS if f"`{verdict}`" not in page.partition("## Tests")[2]] == []
+    for builder in BUILDERS.values():
+        (row,) = re.findall(rf"^\| `{builder.name}` \|.*\| (.*) \|$", page, re.MULTILINE)
+        told = set(re.findall(r"`(\w+)(?:: ([^`]*))?`", row))
+        known = {
+            (name, "" if one.default is None else f"{one.default:g} {one.unit}".removesuffix(" 1"))
+            for name, one in builder.parameters.items()
+        }
+        assert told == {(name, value) for name, value in known if f"{name}: {value}" not in begins}, (
+            builder.name
+        )
 
 
 def test_the_page_about_integration(

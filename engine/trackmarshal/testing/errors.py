@@ -35,7 +35,7 @@ class BadExpectation(Diagnostic):
     text = "{problem}"
     remedy = "{hint}"
     explanation = (
-        "`expect VERDICT` names satisfied, violated, undefined or inactive; `margin X` expects it exactly, `margin about X within Y` "
+        "`expect VERDICT` names satisfied, violated, undefined, inactive or open; `margin X` expects it exactly, `margin about X within Y` "
         "nearly, in a unit of the margin's dimension (0 needs none where a rule compares in several); `at NAME = INDEX` names the variable and the sample or object that decides."
     )
 
