@@ -337,6 +337,32 @@ def test_a_rule_of_which_no_ground_truth_was_declared_is_named_and_not_covered()
     assert "no ground truth was declared" not in trace.render(matrix, "json")
 
 
+@pytest.mark.parametrize(
+    ("counts", "told"),
+    [({"satisfied": 100}, "judged by a ground truth"), ({"inactive": 100}, "satisfied or violated")],
+)
+def test_what_a_rule_lacks_in_all_runs_is_told(counts: dict[str, int], told: str) -> None:
+    """One that is satisfied all the time, and of which nobody said when it has to fire, is not one that never applied."""
+    small = Small()
+    named = {"rule turn": TruthFacts(True, (), ("turn",)), "rule gap": TruthFacts(True, (), ("gap",))}
+    said = {name: facts(name, name[0] * 8, satisfied=90, violated=10) for name in ("gap", "turn")}
+    rules = (facts("friction", "f" * 8, **counts), *said.values())
+    of = {item.name: item.satisfies for item in small.parts()[0]}
+    items = [
+        replace(item, satisfies=of["gap"] + of["friction"] if item.name == "friction" else item.satisfies)
+        for item in small.parts()[0]
+    ]
+    runs = run(small, CUT_IN, ground_truth=named, uncovered=("friction",), rules=rules)
+    matrix = build(small, spec_items=items, runs=runs)
+    lacking = {
+        item.detail
+        for row in matrix.rows
+        for item in (row.cells["S-4-A"].items if "S-4-A" in row.cells else ())
+        if item.name == "friction"
+    }
+    assert lacking == {f"{told} in none of these runs"}
+
+
 def test_a_run_that_is_unsafe_where_nothing_says_that_it_may_be_is_no_evidence() -> None:
     """As `replay` and `assess` have it: a run whose input broke the contract is inside any ground truth of rules."""
     small = Small()

@@ -302,6 +302,7 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
     if not seen:
         return None, []
     evaluated = {name for shows in seen for name in shows.evaluated}
+    unjudged = {name for shows in seen for name in shows.unjudged}
     for rule in rules:
         if evaluated and rule.name not in evaluated:
             items.append(
@@ -310,7 +311,9 @@ def _run(ground: Ground, requirement: Requirement, stage: Stage) -> Proof:
                     rule.name,
                     rule.title,
                     "missing",
-                    "satisfied or violated in none of these runs",
+                    "judged by a ground truth in none of these runs"
+                    if rule.name in unjudged
+                    else "satisfied or violated in none of these runs",
                     item_place(rule),
                 )
             )

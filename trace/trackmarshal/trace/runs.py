@@ -14,12 +14,16 @@ from trackmarshal.trace.spec import Spec
 
 @dataclass(frozen=True, slots=True)
 class Showing:
-    """What a run shows about some rules: a status, a sentence, the rules evaluated and those violated in it."""
+    """What a run shows about some rules: a status, a sentence, the rules evaluated and those violated in it.
+
+    unjudged: rules that were evaluated as well, of which no ground truth says when they have to fire.
+    """
 
     status: str  #: "covered", "partial", "missing", "failed" or "stale"
     detail: str
     evaluated: tuple[str, ...] = ()
     fired: tuple[str, ...] = ()
+    unjudged: tuple[str, ...] = ()
 
 
 def showing(scenario: Scenario, rules: Sequence[SpecItem], spec: Spec, hashes: Hashes) -> Showing:
@@ -172,12 +176,13 @@ def _against_truth(
     if not evaluated:
         return _undecided(asked)
     judged = {name for truth in truths.values() for name in truth.rules}
-    unjudged = [name for name in evaluated if name in run.uncovered and name not in judged]
+    unjudged = tuple(name for name in evaluated if name in run.uncovered and name not in judged)
     if unjudged:
         said = f"{_count(evaluated)} evaluated, but no ground truth was declared of {', '.join(unjudged)}"
         # What nobody judged shows nothing, whatever other runs show of the other rules.
         left = set(evaluated) - set(unjudged)
-        return Showing("partial", said, tuple(sorted(left)), tuple(name for name in fired if name in left))
+        loud = tuple(name for name in fired if name in left)
+        return Showing("partial", said, tuple(sorted(left)), loud, unjudged)
     if not truths:
         return Showing(
             "partial", f"{_count(evaluated)} evaluated, but no ground truth judges them", evaluated
