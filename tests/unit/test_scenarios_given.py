@@ -130,6 +130,16 @@ def scene(*changes: tuple[str, str]) -> Recording:
     return generate("scene.yaml")
 
 
+@pytest.mark.parametrize("after", ["", "\n  rain: false"])
+def test_a_record_of_which_no_field_is_given_has_its_defaults_in_each_cycle(after: str) -> None:
+    Path("town.spec").write_text(SPEC + "signal crew : state { ready: bool default true }\n")
+    rain = "  rain: {at: {0 s: false, 1.5 s: true}}\n"
+    fast = "  fast: {is: 'once[0 s, 1 s] rain and ego.v > 15 m/s'}\n"
+    recording = scene((rain, ""), (fast, f"  crew: {{fields: {{}}}}{after}\n"))
+    assert [round(cycle.t, 6) for cycle in recording.cycles] == [0, 0.5, 1, 1.5, 2, 2.5, 3]
+    assert [recording.signals(cycle, "driving")["crew"] for cycle in recording.cycles] == [{}] * 7
+
+
 def test_each_kind_of_signal_is_given() -> None:
     made = scene()
     times = [cycle.t for cycle in made.cycles]

@@ -118,11 +118,14 @@ def _signal(recording: Recording, specs: Specs, given: GivenSignal, columns: Tab
             each.name: _all(specs, recording, each, _field(specs, name, each), columns=columns)
             for each in given.fields
         }
-        found = [dict(zip(by_name, row)) for row in zip(*by_name.values())]
+        # Of no field, a record of defaults in each cycle.
+        found = [{each: values[k] for each, values in by_name.items()} for k in range(len(recording.cycles))]
         constant = False
     if constant:
         return replace(recording, always={**recording.always, name: found[0]})
-    cycles = [replace(c, more={**c.more, name: value}) for c, value in zip(recording.cycles, found)]
+    cycles = [
+        replace(c, more={**c.more, name: value}) for c, value in zip(recording.cycles, found, strict=True)
+    ]
     return replace(recording, cycles=tuple(cycles))
 
 
