@@ -567,3 +567,10 @@ def test_a_generated_scenario_has_no_columns() -> None:
         scene(("      lap: 3", "      lap: {column: lap}"))
     assert caught.value.code == "D151"
     assert "there is no column `lap`" in caught.value.message
+
+
+def test_a_state_that_is_given_without_a_word_is_told_of_fields() -> None:
+    with pytest.raises(TrackmarshalError) as raised:
+        scene(("    fields:\n      flag:", "      flag:"))
+    assert raised.value.code == "D151"
+    assert "`fields`" in (raised.value.help or "")

@@ -100,7 +100,9 @@ def _signal(name: str, item: Item) -> GivenSignal:
         if len(inside) > 1:
             raise item.wrong("`fields` stands beside something else", "give the whole signal, or its fields")
         return GivenSignal(name, item, None, fields(inside["fields"]))
-    return GivenSignal(name, item, given(name, item), ())
+    return GivenSignal(
+        name, item, given(name, item, f"{_HOW}; of a `state` also `fields`, with these for each"), ()
+    )
 
 
 def fields(item: Item) -> tuple[Given, ...]:
@@ -108,13 +110,13 @@ def fields(item: Item) -> tuple[Given, ...]:
     return tuple(given(name, each) for name, each in item.any_fields().items())
 
 
-def given(name: str, item: Item) -> Given:
+def given(name: str, item: Item, help_: str = _HOW) -> Given:
     """One value: a map that says how it is given. Raises D151 and D251."""
     if not item.is_map():
         return Given(name, item, (0.0,), (item.value(),))
     inside = item.any_fields()
     if len(inside) != 1 or not inside.keys() <= {"value", "at", "is", "column"}:
-        raise item.wrong("it is not said how the value is given", _HOW)
+        raise item.wrong("it is not said how the value is given", help_)
     ((how, what),) = inside.items()
     readers: dict[str, Callable[[], Given]] = {
         "value": lambda: Given(name, what, (0.0,), (what.value(),)),
