@@ -337,6 +337,15 @@ def test_a_mapping_is_a_recording_too() -> None:
     assert found.value.code == "D151"
 
 
+def test_a_mapping_is_read_from_wherever_its_project_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Reports print its path from the project; from another folder, `assess` looked for it there, and found nothing (D120)."""
+    monkeypatch.chdir(tmp_path)
+    assert len(load_recording(EXTRACT, "tests/field/lvms_25s.yaml").cycles) == 220
+    assert str(EXTRACT) in build(mapping.read(EXTRACT, "tests/field/lvms_25s.yaml")).sources
+
+
 @pytest.mark.parametrize(
     ("said", "before"),
     [

@@ -131,7 +131,7 @@ def _summary(made: Report, judged: Judgement, root: Path) -> RunSummary:
         violated = np.flatnonzero((judged.codes[:, :, number] == VERDICTS.index("violated")).any(axis=1))
         first = float(judged.times[violated[0]]) if len(violated) else None
         facts.append(RuleFacts(rule.name, inputs[f"rule {rule.name}"], counts, first))
-    source = Path(drive.mapping.source)
+    source = drive.mapping.path
     made_from = {from_project(root, path): digest for path, digest in drive.sources.items()}
     return RunSummary(
         from_project(root, source), file_hash(source), judged.evaluator.spec.fingerprint, len(judged.times), tuple(facts), {},

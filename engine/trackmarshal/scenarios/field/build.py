@@ -248,7 +248,7 @@ def standing_time(motion: Motion) -> float:
 
 
 def _sources(mapping: Mapping, log: Log) -> dict[str, str]:
-    files = [Path(mapping.source), *(logs.find(mapping, border.file) for border in mapping.track)]
+    files = [mapping.path, *(logs.find(mapping, border.file) for border in mapping.track)]
     files += [spec_of(mapping, name) for name in (mapping.vehicle, *mapping.use)]
     found = {log.path: log.sha256}
     return found | {str(path): digest(content.read(path, str(path))) for path in files}

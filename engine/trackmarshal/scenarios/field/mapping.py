@@ -79,10 +79,10 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Mapping:
-    """Everything that is declared about a log, in SI. `source`: as messages call it; `folder`: what paths are relative to."""
+    """Everything that is declared about a log, in SI. `source`: as messages call it; `path`: where it lies."""
 
     source: str
-    folder: Path
+    path: Path
     name: str
     log: Named | None
     delimiter: str
@@ -108,6 +108,11 @@ class Mapping:
     #: Inputs that the log does not have, `plan.grip`, by name: the number for all cycles, and why.
     given: dict[str, tuple[float, str]] = field(default_factory=dict)
 
+    @property
+    def folder(self) -> Path:
+        """What paths are relative to."""
+        return self.path.parent
+
 
 def unit_of(text: str) -> tuple[float, float, Dimension]:
     """A unit of a log to (multiplier, divisor, dimension), see `parse_unit`; raises ValueError as it does."""
@@ -118,10 +123,10 @@ def read(path: Path, shown: str | None = None) -> Mapping:
     """Read a mapping; raises D120, D124, D126, D150 and D151, with the line."""
     shown = shown or str(path)
     root = document.read(content.read(path, shown), shown)
-    return _mapping(root, path.parent)
+    return _mapping(root, path)
 
 
-def _mapping(root: Item, folder: Path) -> Mapping:
+def _mapping(root: Item, path: Path) -> Mapping:
     top = root.fields(
         ("format", "version", "name", "columns", "track", "vehicle", "plan", "emergency"),
         ("log", "delimiter", "pose", "time", "use", "smoother", "noise", "gaps", "findings", "hold", "given"),
@@ -139,7 +144,7 @@ def _mapping(root: Item, folder: Path) -> Mapping:
     step = plan["step"].number(0.01, 1.0)
     pose = top["pose"].fields(("forward",)) if "pose" in top else {}
     return Mapping(
-        root.shown, folder, top["name"].text(), _named(top["log"]) if "log" in top else None,
+        root.shown, path, top["name"].text(), _named(top["log"]) if "log" in top else None,
         top["delimiter"].choice((",", ";", "tab")) if "delimiter" in top else ",", columns, zero, sign,
         pose["forward"].number(-20.0, 20.0) if pose else 0.0, top["hold"].number(0.0, 10.0) if "hold" in top else 0.1, begin, end,
         time["rate"].number(0.1, 1000.0) if "rate" in time else 10.0,
