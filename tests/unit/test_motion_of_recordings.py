@@ -76,6 +76,13 @@ def test_nothing_is_said_of_a_car_that_drives_along_minus_x() -> None:
 def test_nothing_is_said_where_nothing_can_be() -> None:
     """Of who stands, of missing numbers, and of too few steps."""
     assert contradictions(changed(lambda c: replace(c, ego={**c.ego, "v": 0.0, "heading": math.nan}))) == []
+    swaying = [
+        replace(each, t=0.1 * k, ego={"x": 0.0, "y": 0.05 * (k % 2), "heading": 0.0, "v": 0.0})
+        for k, each in enumerate(cut_in().cycles[:20])
+    ]
+    assert (
+        contradictions(replace(cut_in(), cycles=tuple(swaying))) == []
+    )  # noise of who stands leads anywhere
     few = changed(CHANGES["stamps in ms"][0])
     assert contradictions(replace(few, cycles=few.cycles[:5])) == []
 

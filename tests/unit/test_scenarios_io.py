@@ -176,6 +176,8 @@ BAD_FIELDS = [
 #: the same for what a schema cannot say
 BAD_RELATIONS = [
     ("0/tables/ax_max", [[4, 1], [0, 1]], "strictly increasing"),
+    ("0/tables/ax_max", [[0, 1], [0, 2]], "strictly increasing"),
+    ("0/because/R_min", " ", "the reason is empty"),
     ("1/objects", [{"id": "a"}, {"id": "a"}], "twice"),
     ("1/candidates/driving/v", [1.0], "equally long"),
     ("0/because/ego.age", "gone", "`ego.age` is missing"),
