@@ -410,6 +410,13 @@ def test_wrong_declarations_are_refused(
     assert caught.value.file == str(tmp_path / ("track.yaml" if code == "D120" else "scene.yaml"))
 
 
+@pytest.mark.parametrize("name", ["field/lvms.yaml", "tracks/northfield.yaml", "scenarios/faults.yaml"])
+def test_another_document_is_told_by_its_format(name: str) -> None:
+    """Its first key that no scenario has was "not known", with a list of those that one has."""
+    with pytest.raises(TrackmarshalError, match=r"format: 'trackmarshal-.*' is not 'trackmarshal-scenario'"):
+        generate(SPECS / name)
+
+
 @pytest.mark.parametrize(
     ("change", "line", "part"),
     [

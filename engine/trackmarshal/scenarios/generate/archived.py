@@ -20,11 +20,12 @@ FORMAT = "trackmarshal-archive"
 
 def load(path: Path, shown: str) -> Recording:
     """The archive that a declaration names, with the signals and truths that it gives; raises D120 to D131, D150, D151, D175, D250 to D255."""
-    fields = document.read(content.read(path, shown), shown).fields(
-        ("format", "version", "archive", "specs"),
+    fields = road.expect(
+        document.read(content.read(path, shown), shown),
+        FORMAT,
+        ("archive", "specs"),
         ("name", "sha256", "signals", "ego", "truth", "use", "notes", "params", "tables"),
     )
-    road.expect(fields, FORMAT)
     specs = given.specs(list(fields["specs"].items()), path.parent)
     if not specs:
         raise fields["specs"].wrong("no spec is named", "name those that declare the signals")

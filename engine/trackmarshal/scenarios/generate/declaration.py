@@ -87,8 +87,10 @@ class Declaration:
 def load(path: Path, shown: str) -> Declaration:
     """Read a scenario declaration and the track it names (relative to it). Raises D120, D124, D126, D150 to D152."""
     item = document.read(content.read(path, shown), shown)
-    fields = item.fields(
-        ("format", "version", "name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
+    fields = road.expect(
+        item,
+        "trackmarshal-scenario",
+        ("name", "track", "duration", "step", "vehicle", "ego", "plan", "emergency"),
         (
             *(
                 "notes",
@@ -105,7 +107,6 @@ def load(path: Path, shown: str) -> Declaration:
             *("widenings", "obstacles", "limits", "mistakes", "pose_error", "takeup"),
         ),
     )
-    road.expect(fields, "trackmarshal-scenario")
     track = fields["track"].text()
     if Path(track).is_absolute() or Path(track).suffix not in (".yaml", ".yml"):
         # What comes from elsewhere does not choose any file to be opened and quoted in a message.

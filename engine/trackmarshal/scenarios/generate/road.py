@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -145,10 +146,9 @@ class Backwards:
 def load(path: Path, shown: str, widenings: tuple[Widening, ...] = ()) -> Road:
     """The road of a track declaration (format trackmarshal-track). Raises D120, D124, D126, D150 to D152."""
     item = document.read(content.read(path, shown), shown)
-    fields = item.fields(
-        ("format", "version", "name", "width", "pieces"), ("closed", "start", "spacing", "repeat")
+    fields = expect(
+        item, "trackmarshal-track", ("name", "width", "pieces"), ("closed", "start", "spacing", "repeat")
     )
-    expect(fields, "trackmarshal-track")
     width = fields["width"].number(3.0, 100.0)
     closed = fields["closed"].flag() if "closed" in fields else False
     spacing = fields["spacing"].number(0.2, 50.0) if "spacing" in fields else 5.0
@@ -168,13 +168,14 @@ def load(path: Path, shown: str, widenings: tuple[Widening, ...] = ()) -> Road:
     return Road(pieces, width, closed, spacing, widenings, fields["name"].text())
 
 
-def expect(fields: dict[str, Item], format_: str) -> None:
-    """The document says that it has this format, in the one version there is."""
-    if fields["format"].text() != format_:
-        raise fields["format"].wrong(
-            f"{fields['format'].text()!r:.40} is not {format_!r}", "is it the right file?"
-        )
+def expect(item: Item, format_: str, needed: Iterable[str], optional: Iterable[str]) -> dict[str, Item]:
+    """The fields of a document, which says that it has this format, in the one version there is. Of another one, no key is known."""
+    said = item.any_fields().get("format")
+    if said is not None and said.text() != format_:
+        raise said.wrong(f"{said.text()!r:.40} is not {format_!r}", "is it the right file?")
+    fields = item.fields(("format", "version", *needed), optional)
     fields["version"].count(1, 1)
+    return fields
 
 
 class _Shape(NamedTuple):

@@ -39,9 +39,7 @@ def vehicle(item: Item, folder: Path) -> Vehicle:
         return _of_spec(item, name, folder / name)
     shown = str(Path(item.shown).parent / name)
     own = document.read(content.read(folder / name, shown), shown)
-    fields = own.fields(("format", "version", *_NEEDED), ("params", "tables"))
-    road.expect(fields, "trackmarshal-vehicle")
-    return _of_fields(fields)
+    return _of_fields(road.expect(own, "trackmarshal-vehicle", _NEEDED, ("params", "tables")))
 
 
 def _of_fields(fields: dict[str, Item]) -> Vehicle:
