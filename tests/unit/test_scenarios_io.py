@@ -365,6 +365,16 @@ def test_large_files_are_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert caught.value.code == "D124"
 
 
+def test_what_is_packed_is_as_large_as_what_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    """However little it packs: of a packed file of 3 MB, 300 MB would be read."""
+    monkeypatch.setattr(content, "MAX_BYTES", 1000)
+    data = bytes(range(256)) * 4
+    assert content.gunzip(gzip.compress(data[:1000]), "x.gz") == data[:1000]
+    with pytest.raises(TrackmarshalError, match="the limit is 1000") as caught:
+        content.gunzip(gzip.compress(data[:1001]), "x.gz")
+    assert caught.value.code == "D124"
+
+
 def test_what_packs_too_well_is_told_the_limit_that_it_is_over(tmp_path: Path) -> None:
     """Whoever packs a car that stands, with gzip, has no 200 MB to split: it is read unpacked."""
     packed = tmp_path / "x.jsonl.gz"

@@ -16,7 +16,7 @@ import pytest
 from support.archives import HEADER, archive, row, scn
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.scenarios import saa
+from trackmarshal.scenarios import content, saa
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 
 SHARED = Path(__file__).parents[3] / "shared" / "data" / "scenarios"
@@ -226,6 +226,12 @@ def lie(data: bytearray, _at: int) -> None:
     struct.pack_into("<I", data, data.index(b"PK\x01\x02") + 24, 10)
 
 
+def boast(data: bytearray, _at: int) -> None:
+    """Declare a larger size than the part has."""
+    at = data.index(b"PK\x01\x02") + 24
+    struct.pack_into("<I", data, at, struct.unpack_from("<I", data, at)[0] + 9)
+
+
 TEXT = scn().encode()
 BAD_ARCHIVES: dict[str, tuple[bytes, str]] = {
     "no ZIP": (b"time;x;y", "D122"),
@@ -233,6 +239,7 @@ BAD_ARCHIVES: dict[str, tuple[bytes, str]] = {
     "cut off": (packed(("scene.scn", TEXT))[:-30], "D122"),
     "one bit changed": (damaged(flip), "D122"),
     "a size that is not true": (damaged(lie), "D122"),
+    "a size that is not reached": (damaged(boast), "D122"),
     "encrypted": (damaged(encrypt), "D125"),
     "LZMA": (packed(("scene.scn", TEXT), method=zipfile.ZIP_LZMA), "D125"),
     "no .scn": (packed(("scene.txt", TEXT)), "D123"),
@@ -270,6 +277,17 @@ def test_declared_sizes_are_limited() -> None:
     struct.pack_into("<II", data, directory + 20, 3_000_000_000, 3_000_000_000)
     with pytest.raises(TrackmarshalError) as caught:
         saa.read(bytes(data), "scene.saa")
+    assert caught.value.code == "D124"
+
+
+def test_declared_sizes_are_limited_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many parts that each are small enough are as much as one that is not."""
+    data = packed(("scene.scn", TEXT), ("a.sas", b"x" * len(TEXT)), ("b.sas", b"y" * len(TEXT)))
+    monkeypatch.setattr(content, "MAX_BYTES", 3 * len(TEXT))
+    assert saa.read(data, "scene.saa").name == "scene"
+    monkeypatch.setattr(content, "MAX_BYTES", 3 * len(TEXT) - 1)
+    with pytest.raises(TrackmarshalError, match=f"the parts unpack to {3 * len(TEXT)} bytes") as caught:
+        saa.read(data, "scene.saa")
     assert caught.value.code == "D124"
 
 
