@@ -18,11 +18,12 @@ from trackmarshal import scenarios
 from trackmarshal.cli.evidence import run_summary
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load
+from trackmarshal.runtime.faults import fault
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.generate import generate
 from trackmarshal.scenarios.generate.document import read
 from trackmarshal.scenarios.generate.given import given as read_given
-from trackmarshal.scenarios.labels import Label, label
+from trackmarshal.scenarios.labels import Label, judged_by, label
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
 
@@ -299,6 +300,23 @@ def test_a_rule_of_which_nothing_is_declared_is_named_and_may_not_fire() -> None
     assert status == 1
     assert "no ground truth was declared of slow_under_yellow" in text
     assert "no ground truth says that it may be unsafe at 1 to 2 s" in text
+
+
+def test_rules_that_are_judged_by_a_kind_leave_others_to_none() -> None:
+    """Who says of one rule which kind it is of has said it of that one; of the others, the generator knows nothing."""
+    made = replace(scene(), ground_truth={"static": (True,) * 7}, judged={"no_rush": "static"})
+    spec = load(["town.spec"])
+    judges = {rule.name: judged_by(rule, spec, made) for rule in spec.rules if rule.formula is not None}
+    assert judges == {"slow_under_yellow": (), "apart": (), "no_rush": ("static",)}
+
+
+def test_a_cycle_that_the_door_refuses_is_not_safe() -> None:
+    """Whatever rules say of its candidates: a run in which that happens has not been quiet (`no_fire`)."""
+    made = replace(scene(), ground_truth={}, judged={})
+    outcome = replay(made, Evaluator(load(["town.spec"]), ["no_rush"]))
+    assert not outcome.fired
+    refused = replace(outcome.cycles[3], faults=(fault("skipped", "cycle", "number", None, "number 4"),))
+    assert replace(outcome, cycles=(*outcome.cycles[:3], refused)).fired
 
 
 def test_a_truth_of_a_rule_that_the_spec_lacks_is_refused() -> None:
