@@ -97,6 +97,21 @@ def test_what_is_recorded_counts_more_than_what_is_given() -> None:
     assert inputs.filled(made).cycles[0].objects[0]["age"] == 0.2
 
 
+def test_what_only_some_have_is_not_in_the_recording() -> None:
+    """It may still be given: it is for those that lack it."""
+    some = recording([cycle(0.0, 0.0, [other("blue", 90.0, seen=0.2), other("red", 80.0)])])
+    every = recording([cycle(0.0, 0.0, [other("blue", 90.0, seen=0.2), other("red", 80.0, seen=0.1)])])
+    assert ["objects.seen" in inputs.recorded(made) for made in (some, every)] == [False, True]
+
+
+def test_what_is_given_of_obstacles_is_in_those_of_a_cycle_too() -> None:
+    box = {"id": "box", "x": 50.0, "y": 9.0, "heading": 0.0, "length": 1.0, "width": 1.0}
+    made = recording([cycle(0.0, 0.0), replace(cycle(0.1, 1.0), obstacles=[dict(box)])])
+    made = replace(made, obstacles=[box], given={"obstacles.height": 2.0}, because={"obstacles.height": WHY})
+    filled = inputs.filled(made)
+    assert [each["height"] for one in filled.cycles for each in filled.standing(one)] == [2.0, 2.0]
+
+
 def test_what_is_judged_on_a_default_is_named_with_who_judges_it(tmp_path: Path) -> None:
     run, rules = of_a_file(), evaluator(tmp_path)
     assert inputs.defaulted(run, rules.spec, rules.rules) == {"objects.age": ("A-FRESH",)}
