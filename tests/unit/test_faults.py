@@ -17,6 +17,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.evaluation import load as load_spec
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.faults import name_of
 from trackmarshal.scenarios.faults.campaign import Bench, fingerprint
 from trackmarshal.scenarios.faults.changes import change
 from trackmarshal.scenarios.faults.declaration import Campaign, Fault, load
@@ -134,6 +135,10 @@ def test_changes_of_what_is_around() -> None:
     assert changed("{column: objects.age, set: 0.15}").signals["objects"][0]["age"] == 0.15
     blue = changed("{place: objects, ahead: 8, left: 3}").signals["objects"][0]
     assert [blue["x"], blue["y"], blue["heading"]] == pytest.approx([-2.0, 10.0, math.pi / 2])
+    slower = moment()
+    slower.signals["ego"]["v"] = 11.0
+    change(document.read(b"{place: objects, ahead: 8, left: 3}", "f.yaml"))(slower)
+    assert slower.signals["objects"][0]["v"] == 11.0  # as the car drives, and not as it did itself
     assert changed("{field: ego.v, add: 2}").signals["ego"]["v"] == 22.0
     ego = changed("{signal: ego, left: 3}").signals["ego"]
     assert [ego["x"], ego["y"], ego["heading"]] == pytest.approx([-2.0, 2.0, math.pi / 2])
@@ -266,6 +271,11 @@ def friction(campaign: Campaign) -> Fault:
         ("by", "contact", "found by friction, expected contact"),
         ("by", "missing", "found by friction, expected missing"),
         ("first", 2.1, "unsafe at 2 s; expected unsafe from 2.1 to 2.2 s"),
+        (
+            "last",
+            3.0,
+            "safe at 2.3 s, safe at 2.4 s, safe at 2.5 s, and 5 more cycles; expected unsafe from 2 to 3 s",
+        ),
         ("last", 2.4, "safe at 2.3 s, safe at 2.4 s; expected unsafe from 2 to 2.4 s"),
         ("driven", "no_safe_trajectory", "driven is previous_emergency from 1.9 s"),
         ("since", 1.8, "driven is previous_emergency from 1.9 s, expected previous_emergency from 1.8 s"),
@@ -404,6 +414,16 @@ def test_a_recording_has_what_other_specs_declare() -> None:
     campaign = load(SHIPPED, "faults.yaml")
     idle = replace(friction(campaign), changes=(), expected=None)
     assert Bench(replace(recording, cycles=cycles), evaluator).run(campaign, idle).wrong == ""
+
+
+def test_who_is_slow_takes_the_next_cycle_when_it_is_done(campaign: Campaign, bench: Bench) -> None:
+    """The next cycle waits: a clock that would have to go back is another fault than the one that is put in."""
+    slow = change(document.read(b"{judge: slow, delay: 0.25}", "f.yaml"))
+    said, _ = bench._decisions(campaign, replace(friction(campaign), changes=(slow,), end=2.0, expected=None))
+    faults = {round(t, 1): [name_of(each) for each in decision.faults] for t, decision in said}
+    assert faults[2.0] == ["overrun"]
+    assert faults[2.1] != []
+    assert "bad_clock" not in [name for names in faults.values() for name in names]
 
 
 def test_a_fault_may_say_that_nothing_is_put_in(campaign: Campaign, bench: Bench) -> None:
