@@ -18,6 +18,7 @@ from trackmarshal.evaluation import load as load_spec
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.program import NOTHING
 from trackmarshal.scenarios.faults.campaign import Bench, fingerprint
 from trackmarshal.scenarios.faults.changes import change
 from trackmarshal.scenarios.faults.declaration import Campaign, Fault, load
@@ -456,6 +457,19 @@ def test_decisions_that_differ_the_second_time_are_no_evidence(campaign: Campaig
 
     outcome = bench.run(campaign, replace(fault, changes=(Wavering(),)))
     assert outcome.wrong == "the same cycles led to other decisions the second time"
+
+
+def test_a_track_that_is_open_is_not_judged_as_the_closed_one(bench: Bench) -> None:
+    """Its borders have the same points, and frames that are the same in every bit are judged once."""
+    judging = bench._judging
+    door = bench._box.supervisor(bench._limits).door
+    frame = door.admit(0, bench._cycles[0], bench._cycles[0].t).frame
+    again = replace(frame)
+    opened = replace(frame, closed=dict.fromkeys(frame.closed, False))
+    assert frame.closed == {"track": True}
+    first, second, other = (judging.judge(NOTHING, each) for each in (frame, again, opened))
+    assert first.rated is second.rated
+    assert other.rated is not first.rated
 
 
 def test_a_fingerprint_changes_with_all_that_counts(campaign: Campaign) -> None:
