@@ -131,6 +131,33 @@ def test_a_demand_that_does_not_hold_on_its_boundary(condition: str, wanted: str
     assert verdict == ("satisfied" if "≤ a_p" in wanted else "violated")
 
 
+@pytest.mark.parametrize(
+    ("condition", "wanted"),
+    [
+        ("twice(p, p.a * 1 s) <= top", "v_p ≤ top/2 − a_p/2"),
+        ("twice(ego, 1 m/s) + twice(p, 2 m/s) <= top", "v_p ≤ top/2 − twice(ego, 1 m/s)/2 − 1"),
+        ("slow(p, ego)", "v_p ≤ top/2 − twice(ego, 0 m/s)/2"),
+        ("slower(3 m/s, p)", "v_p ≤ top − 3"),
+    ],
+)
+def test_a_solution_names_what_is_given_to_definitions(condition: str, wanted: str) -> None:
+    """Their own names, as of `o`, are nothing that the rule knows, and one stood for two cars."""
+    spec = loads(f"""module m
+signal plan : trajectory {{ v: m/s, a: m/s^2 }}
+signal ego : state {{ v: m/s }}
+shape moved = {{ v: m/s }}
+param top : m/s = 50 km/h in [1, 200]
+define twice(o: moved, u: m/s) -> m/s = 2 * o.v + u
+predicate slow(a: moved, b: moved) = 2 * a.v + twice(b, 0 m/s) <= top
+predicate slower(than: m/s, q: moved) = q.v + than <= top
+rule r "r"
+  for all p in plan
+  require {condition}
+""")
+    (made, *_) = solve(spec.rules[0], spec, (), "p.v", ENGLISH)
+    assert [text(one) for one in made.formulas] == [wanted]
+
+
 def test_where_a_solution_says_nothing_of_a_rule_is_said(tmp_path: Path) -> None:
     """Below 0 m/s the demand is undefined, which is not safe, and what was solved for is kept there."""
     rule, spec = rule_of(tmp_path, 'rule r "r"\n  for all p in plan\n  require sqrt(p.v / (1 m/s)) <= 3\n')

@@ -36,6 +36,13 @@ class Scope:
         yield
         self.inside += 1
 
+    @contextmanager
+    def given(self) -> Iterator[None]:
+        """Where what a name stands for is written: back outside, for a name of a definition."""
+        before, self.inside = self.inside, max(self.inside - 1, 0)
+        yield
+        self.inside = before
+
     def named(self, kind: Kind, symbol: typed.Symbol) -> Layout:
         return self.names.of(kind, symbol.qualified, symbol.name)
 

@@ -139,7 +139,8 @@ def expression(node: typed.Number, known: Quantities) -> Expr:
                 raise Unsolvable("nothing given")
             key = id(node.value), known.inside
             if key not in known.bound:
-                known.bound[key] = expression(node.value, known)
+                with known.writing.given():
+                    known.bound[key] = expression(node.value, known)
             return known.bound[key]
         case typed.Choice() | typed.NumberCase():
             raise Unsolvable("choice")
@@ -189,7 +190,8 @@ def place(node: typed.Field) -> Place:
 def _called(node: typed.CalledNumber, body: typed.Number, known: Quantities) -> Expr:
     """A definition: by its name, where what it comes to does not depend on the number and is more than a name."""
     known.inside += 1  # there, names are those of the definition, and nothing can be called by them outside
-    made = expression(body, known)
+    with known.writing.entered():
+        made = expression(body, known)
     known.inside -= 1
     if known.depends(made) or made.is_Atom or known.inside:
         return made

@@ -248,9 +248,11 @@ def _parts(node: typed.Formula, known: Quantities) -> Iterator[_Demand]:
             yield from _parts(node.left, known)
             yield from _parts(node.right, known)
         case typed.CalledFormula():
-            yield from _parts(node.body, known)
+            with known.writing.entered():
+                yield from _parts(node.body, known)
         case typed.NamedFormula():
-            yield from _parts(node.value, known)
+            with known.writing.given():
+                yield from _parts(node.value, known)
         case _:
             raise Unsolvable("comparison")
 
