@@ -605,6 +605,31 @@ def test_a_field_is_called_by_no_name_of_something_else(
     assert tell(rule, spec, ENGLISH).demand == (said,)
 
 
+def test_a_definition_reads_of_the_record_that_it_is_given(tmp_path: Path) -> None:
+    """What `needed` comes to was shown as made of `limits`, also where it is given `wet`, of which the values were said nowhere."""
+    rule, spec = rule_of(
+        tmp_path,
+        "shape rss = { response: s, braking: m/s^2 }\n"
+        "param limits : rss = { response: 0.5 s, braking: 4 m/s^2 }\nparam wet : rss = { response: 0.7 s, braking: 2 m/s^2 }\n"
+        "define needed(v: m/s, l: rss) -> m = v * l.response + v^2 / l.braking\n"
+        'rule r "r"\n  require needed(ego.v, limits) <= 120 m and needed(ego.v, wet) <= 90 m and limits.response <= wet.response\n',
+    )
+    (definition,) = read(rule, spec).definitions
+    assert text(definition.body) == "v · response_l + v²/braking_l"
+    told = tell(rule, spec, ENGLISH)
+    assert told.demand[0].endswith("and limits.response (0.5 s) is at most wet.response (0.7 s).")
+    assert told.definitions == (
+        "The needed of v and l is v times the response of l plus the square of v divided by the braking of l.",
+        "limits has the response 0.5 s and the braking 4 m/s^2.",
+        "wet has the response 0.7 s and the braking 2 m/s^2.",
+    )
+    (clause,) = read(rule, spec, None, True).clauses
+    assert text(clause.formula) == (
+        "v_ego · limits.response + v_ego²/limits.braking ≤ 120 m ∧ v_ego · wet.response + v_ego²/wet.braking ≤ 90 m "
+        "∧ limits.response ≤ wet.response"
+    )
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

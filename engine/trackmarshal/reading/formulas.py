@@ -336,11 +336,20 @@ class Formulas(Things):
     # Calls --------------------------------------------------------------------------------------------------
 
     def _parameter(self, node: typed.Parameter) -> Layout:
-        record = node.symbol.item
-        if isinstance(record, ast.ParamRecord):
-            last = node.symbol.qualified.rpartition(".")[2]
-            return self.names.of("parameter", node.symbol.qualified, f"{record.name}.{last}")
+        if node.record is not None:
+            return self._setting(node.record, node.symbol)
         return self.named("parameter", node.symbol)
+
+    def _setting(self, record: typed.Record, symbol: typed.Symbol) -> Layout:
+        """A field of a record of parameters: by the record's name, or by the one that it is given to."""
+        name = symbol.qualified.rpartition(".")[2]
+        if not isinstance(record, typed.NamedRecord):
+            assert isinstance(symbol.item, ast.ParamRecord)
+            return self.names.of("parameter", symbol.qualified, f"{symbol.item.name}.{name}")
+        if not self.inside or record.value is None:
+            return self.field(record, name)
+        with self.left():
+            return self._setting(record.value, symbol)
 
     def _called(self, node: typed.CalledNumber | typed.CalledFormula, kind: Kind) -> tuple[Layout, int]:
         head = self.named(kind, node.symbol)

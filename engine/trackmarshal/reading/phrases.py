@@ -19,11 +19,11 @@ class Phrases:
 
     def __init__(self, words: Words, shared: frozenset[str], measured: frozenset[str]) -> None:
         self.words = words
-        self._shared, self._measured = shared, measured
+        self.shared, self._measured = shared, measured
 
     def short(self, symbol: typed.Symbol) -> str:
         """A declared name without its module, or with it where the rule knows another thing by that name."""
-        return symbol.qualified if symbol.name in self._shared else symbol.name
+        return symbol.qualified if symbol.name in self.shared else symbol.name
 
     @abstractmethod
     def atom(self, node: typed.Number) -> str:

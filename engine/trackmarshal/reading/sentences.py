@@ -161,9 +161,11 @@ class Sentences(Phrases):
                 assert_never(node)
 
     def _parameter(self, node: typed.Parameter) -> str:
-        """With its value where it is said first."""
+        """With its value where it is said first; a field of a record that is given to a definition by its name there."""
+        if isinstance(node.record, typed.NamedRecord):
+            return self.field(node.record, node.symbol.qualified.rpartition(".")[2])
         info = self._params[node.symbol.qualified]
-        short = info.name if info.short in self._shared else info.short
+        short = info.name if info.short in self.shared else info.short
         name = short if info.record else called(short)
         if info.name in self._said:
             return name

@@ -12,6 +12,7 @@ from trackmarshal.reading.phrases import called, parameters_of, plain
 from trackmarshal.reading.sentences import ADDED, OPEN, SINGLE, TOGETHER, Sentences
 from trackmarshal.reading.words import Words
 from trackmarshal.syntax import ast
+from trackmarshal.units import about, in_full
 
 
 class Told(Node):
@@ -30,7 +31,10 @@ def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
     )
     said = Sentences(words, spec.params, frozenset(_names(reached)), _shared(reached, spec), measured)
     demand = tuple(_demand(rule.typed, said))
-    return Told(demand, (*_events(reached, said), *_definitions(reached, said), *_machines(reached, said)))
+    settings = _settings(reached, spec, said)
+    return Told(
+        demand, (*_events(reached, said), *_definitions(reached, said), *settings, *_machines(reached, said))
+    )
 
 
 def _names(reached: Sequence[typed.Typed]) -> Iterator[str]:
@@ -165,6 +169,19 @@ def _events(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
             assert isinstance(node.symbol.item, ast.Event)
             if node.symbol.item.text:
                 yield said.words.event.format(a=plain(said.short(node.symbol)), b=node.symbol.item.text)
+
+
+def _settings(reached: Sequence[typed.Typed], spec: Spec, said: Sentences) -> Iterator[str]:
+    """The values of records of parameters that are given to definitions, which say the names of these alone."""
+    records: dict[str, dict[str, str]] = {}
+    for node in reached:
+        if isinstance(node, typed.Parameter) and isinstance(node.record, typed.NamedRecord):
+            info = spec.params[node.symbol.qualified]
+            record, _, name = (info.name if info.short in said.shared else info.short).rpartition(".")
+            value = about(in_full(info.value, node.written or info.unit))
+            records.setdefault(record, {})[name] = said.words.setting.format(a=called(name), b=value)
+    for record, values in records.items():
+        yield f"{said.words.record.format(a=called(record), b=said.listed(list(values.values())))}."
 
 
 def _machines(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:

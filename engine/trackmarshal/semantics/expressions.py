@@ -337,7 +337,7 @@ class Expressions:
                 if symbol.qualified not in self.params:
                     raise Poison  # its declaration was reported
                 unit = written_unit((item.value,), item.unit)
-                return typed.Parameter(self.params[symbol.qualified], unit, symbol, span)
+                return typed.Parameter(self.params[symbol.qualified], unit, symbol, None, span)
             case ast.ParamRecord():
                 shape = self.records.get(symbol.qualified)
                 if shape is None:
@@ -412,7 +412,7 @@ class Expressions:
             while isinstance(record, typed.NamedRecord) and record.value is not None:
                 record = record.value
             if isinstance(record, typed.ParameterRecord):
-                return self._parameter(record.symbol, expr.name, dimension, span)
+                return self._parameter(record.symbol, value, expr.name, dimension, span)
             field = None if value.signal is None else value.signal.field(expr.name)
             if field is not None and field.kind == UNKNOWN:
                 raise Poison
@@ -446,7 +446,7 @@ class Expressions:
         self.fail(WrongKind(ast.span_of(expr.value), "a record", value_spoken(value), hint))
 
     def _parameter(
-        self, record: typed.Symbol, name: str, dimension: Dimension, span: Span
+        self, record: typed.Symbol, read: typed.Record, name: str, dimension: Dimension, span: Span
     ) -> typed.Parameter:
         """`limits.response`: the parameter that a field of a record of parameters is."""
         assert isinstance(record.item, ast.ParamRecord)
@@ -455,7 +455,7 @@ class Expressions:
         if entry is None or symbol.qualified not in self.params:
             raise Poison  # its declaration was reported
         unit = written_unit((entry.value,), self.advice.units.get(symbol.qualified, "1"))
-        return typed.Parameter(dimension, unit, symbol, span)
+        return typed.Parameter(dimension, unit, symbol, read, span)
 
     # Arithmetic and logic -----------------------------------------------------------------------------------
 

@@ -46,9 +46,10 @@ class Pi(NumberNode):
 
 
 class Parameter(NumberNode):
-    """A `param` of a spec."""
+    """A `param` of a spec. record: of a field of a record of parameters, that record by the name that it has there; None for a number of its own."""
 
     symbol: Symbol
+    record: Record | None
     span: Span
 
 

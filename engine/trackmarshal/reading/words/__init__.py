@@ -41,6 +41,9 @@ class Words(Node):
     field: str
     own_field: str
     parameter: str
+    #: A record of parameters, and each of its fields.
+    record: str
+    setting: str
     table: str
     station: str
     offset: str
