@@ -21,7 +21,7 @@ from trackmarshal.reading.solving.boundaries import boundary  # noqa: E402
 from trackmarshal.reading.solving.inputs import limits  # noqa: E402
 from trackmarshal.reading.terminal import text  # noqa: E402
 from trackmarshal.reading.words.english import ENGLISH  # noqa: E402
-from trackmarshal.semantics.compile import compile_paths  # noqa: E402
+from trackmarshal.semantics.compile import compile_paths, compile_text  # noqa: E402
 from trackmarshal.testing.cases import PreparedTest, prepare  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -286,6 +286,19 @@ def test_a_limit_of_what_is_heavy_is_found(tmp_path: Path) -> None:
     assert found is not None
     ((low, high),) = found.holds
     assert (low, high) == pytest.approx((20000.0, 50000.0), abs=1e-3)
+
+
+def test_what_was_found_says_at_how_many_values_it_was_looked_for() -> None:
+    """Between 30 m/s and 31 m/s the rule is violated; that it is kept everywhere was more than anybody had seen."""
+    compiled = compile_text(
+        'module m\nsignal ego : state { v: m/s in [0, 60] }\nrule r "r"\n'
+        "  require (if ego.v > 20 m/s then abs(ego.v - 30.5 m/s) else 1 m/s) >= 0.4 m/s\n"
+        'test r "slow"\n  given ego = { v: 10 m/s }\n  expect satisfied\n'
+    )
+    evaluator = Evaluator(compiled.spec, backend="reference")
+    assert evaluator.case({"signals": {"ego": {"v": 30.5}}}).rules["r"].verdict == "violated"
+    _, found = solve(compiled.spec.rules[0], compiled.spec, prepare(compiled)[0], "v", ENGLISH)
+    assert found.said.endswith(": of 61 values that were looked at, the limit is kept everywhere.")
 
 
 def test_what_a_rule_does_not_have_is_refused() -> None:

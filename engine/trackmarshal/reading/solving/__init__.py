@@ -98,7 +98,7 @@ def _found(
     rule: RuleInfo, spec: Spec, tests: Sequence[PreparedTest], target: Place, shown: str, reason: Reason, words: Words
 ) -> Iterator[Limit]:  # fmt: skip
     """What the evaluator says in the inputs of tests."""
-    from trackmarshal.reading.solving.boundaries import Boundary, boundary
+    from trackmarshal.reading.solving.boundaries import PLACES, Boundary, boundary
     from trackmarshal.reading.solving.inputs import limits
 
     said = words.unsolved.format(a=shown, b=words.reasons[reason])
@@ -126,7 +126,7 @@ def _found(
         whole = one.holds == ((one.lower, one.upper),)
         holds = words.everywhere if whole else words.comma.join(ranges) or words.nowhere
         low, high = written(one.lower, unit, "", 9), written(one.upper, unit, "", 9)
-        yield Limit(words.found.format(a=one.test, b=everywhere, c=low, d=high, e=holds), ())
+        yield Limit(words.found.format(a=one.test, b=everywhere, c=low, d=high, e=holds, n=PLACES), ())
 
 
 def _unit(spec: Spec, target: Place) -> str:

@@ -13,7 +13,7 @@ from trackmarshal.testing.cases import PreparedTest
 from trackmarshal.testing.si import spec_in_si
 
 #: At how many places a rule is looked at first; how near a boundary between two of them is found, and what is none beside 0, relative to all that is looked at.
-_PLACES, _NEAR = 61, 1e-12
+PLACES, _NEAR = 61, 1e-12
 
 
 class Boundary(NamedTuple):
@@ -41,7 +41,7 @@ def boundary(
         return {"satisfied": True, "inactive": True, "violated": False}.get(verdict)
 
     low, high = limits
-    places = [low + (high - low) * k / (_PLACES - 1) for k in range(_PLACES)]
+    places = [low + (high - low) * k / (PLACES - 1) for k in range(PLACES)]
     told = [says(x) for x in places]
     if any(one is None for one in told):
         return None
