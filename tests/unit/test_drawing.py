@@ -114,6 +114,17 @@ def test_a_letter_stands_well_inside() -> None:
     assert math.hypot(point[0] - 0.7, point[1] - 0.6) < 0.08
 
 
+@pytest.mark.parametrize(("op", "hides"), [("!=", True), ("==", True), ("<=", False)])
+def test_a_demand_that_numbers_are_the_same_is_too_thin_to_be_drawn(op: str, hides: bool) -> None:
+    """`!=` was drawn as met all over, without a word, and is violated on a line."""
+    compiled = compile_text(
+        "module m\nsignal ego : state { v: m/s in [0, 9], w: m/s in [0, 9] }\n"
+        f'rule r "r"\n  allow W301 because "made"\n  require ego.v {op} ego.w * 1.0371 + 0.1 m/s\n'
+    )
+    ((_, made),) = drawings([compiled.spec.rules[0]], compiled.spec, [], [])
+    assert made["hides"] is hides
+
+
 # Samples ------------------------------------------------------------------------------------------------------
 
 
