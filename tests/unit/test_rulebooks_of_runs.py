@@ -152,9 +152,22 @@ def test_of_a_cycle_without_a_driving_trajectory_nothing_is_known() -> None:
         ["near", "-", "undefined"],
         ["fast", "-", "undefined"],
     ]
+    assert (
+        runs.of_all()[4]
+        == "some.tmrec.jsonl: all rules count as undefined, since there is no driving trajectory at 0.1 s"
+    )
     with pytest.raises(TrackmarshalError, match="has no driving trajectory") as error:
         runs.add(order, replace(outcome, cycles=(left,)))
     assert error.value.code == "E409"
+
+
+def test_of_a_run_of_which_nothing_can_be_relied_on_it_is_said_why() -> None:
+    """A value outside its range leaves rules a verdict, and the table had "undefined" for all of them without a word."""
+    Path("small.spec").write_text(SPEC.replace("v: m/s }\nsignal ego", "v: m/s in [-1, 50] }\nsignal ego"))
+    _, lines = replayed(recorded("kept", cycle(0), cycle(1)), recorded("beyond", cycle(0), cycle(1, v=60.0)))
+    assert (
+        "beyond: all rules count as undefined, since what they say at 0.1 s cannot be relied on" in lines
+    ), lines
 
 
 def test_what_cannot_be_compared_is_refused() -> None:

@@ -116,10 +116,12 @@ class Runs:
         self._named: list[tuple[str, str]] = []
         self._violations: list[Violations] = []
         self._rules: list[Mapping[str, RuleResult]] = []
+        #: Of each run why nothing is known of it; empty where something is.
+        self._unknown: list[str] = []
 
     def add(self, order: Order, outcome: Replay) -> None:
         """Keep the worst cycle of each rule. A cycle without a driving trajectory is one of which nothing is known."""
-        from trackmarshal.rulebooks.candidates import violations
+        from trackmarshal.rulebooks.candidates import unreliable, violations
         from trackmarshal.rulebooks.violation import UNKNOWN
         from trackmarshal.scenarios.recording import CANDIDATES
 
@@ -136,7 +138,13 @@ class Runs:
             rule: max(range(len(there)), key=lambda place, rule=rule: rated[place][rule])  # type: ignore[misc]
             for rule in order.rules
         }
-        complete = len(there) == len(outcome.cycles)
+        without = [cycle.t for cycle in outcome.cycles if driving not in cycle.results]
+        complete = not without
+        doubtful = [cycle.t for cycle in outcome.cycles if complete and unreliable(cycle.results[driving])]
+        self._unknown.append(
+            f"there is no {driving} trajectory at {moment(without[0])} s" if without
+            else f"what they say at {moment(doubtful[0])} s cannot be relied on" if doubtful else ""
+        )  # fmt: skip
         self._order = order
         self._named.append((outcome.recording.name, outcome.recording.source))
         self._violations.append(
@@ -180,7 +188,12 @@ class Runs:
             ]
             return [dump({"runs": runs, **choice_json(choice, names)})]
         last = f"best by its driving trajectories: {names[choice.chosen]}, {why(choice)}"
-        return [*violations_table(choice, names, self._rules), *reasons(choice, names), last]
+        unknown = [
+            f"{name}: all rules count as undefined, since {why}"
+            for name, why in zip(names, self._unknown)
+            if why
+        ]
+        return [*violations_table(choice, names, self._rules), *unknown, *reasons(choice, names), last]
 
 
 def stretches(order: Order, outcome: Replay) -> list[tuple[Comparison, tuple[float, float]]]:
