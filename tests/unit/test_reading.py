@@ -548,6 +548,18 @@ def test_where_a_stretch_lies_is_shown(tmp_path: Path) -> None:
     assert text(whenever.formula) == "ego ∈ stretch(track, braking, 120 m)"
 
 
+def test_of_what_a_state_machine_is_is_said(tmp_path: Path) -> None:
+    """Its transitions speak of `o`, which stood for nothing: "The role is one of .." """
+    rule, spec = rule_of(
+        tmp_path,
+        "state role : { free, final gone } for each o in objects starts free\n  becomes gone when o.v > 9 m/s\n"
+        'rule r "r"\n  for all z in objects\n  require role(z) is free\n',
+    )
+    assert tell(rule, spec, ENGLISH).definitions == (
+        "The role of o is one of “free” and “gone”; it starts as “free”. It becomes “gone” from “free” when the speed of o is greater than 9 m/s.",
+    )
+
+
 def test_of_several_transitions_that_may_be_it_is_said_which_one_is_taken(tmp_path: Path) -> None:
     """In a cycle that is wet and has the flag, the machine becomes `stopped`: two sentences without an order said that it becomes either."""
     rule, spec = rule_of(

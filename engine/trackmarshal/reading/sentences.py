@@ -464,7 +464,11 @@ class Sentences(Phrases):
         item = node.symbol.item
         assert isinstance(item, ast.State)
         states = self.listed([f"“{plain(one.name)}”" for one in item.states])
-        started = self.words.starts.format(a=called(item.name), b=states, c=plain(item.start.name))
+        name = called(self.short(node.symbol))
+        if node.element is not None:
+            assert isinstance(node.element, typed.NamedRecord)
+            name = self.words.of_each.format(a=name, b=node.element.name)
+        started = self.words.starts.format(a=name, b=states, c=plain(item.start.name))
         gap = bridged(item)
         return f"{started} {self.words.bridges.format(a=gap)}" if gap else started
 

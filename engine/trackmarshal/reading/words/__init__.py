@@ -121,8 +121,9 @@ class Words(Node):
     if_: str
     when: str
     event: str
-    #: State machines: that it starts, each of its transitions, and which of several is taken.
+    #: State machines: that it starts, of what it is where there are several, each of its transitions, and which of several is taken.
     starts: str
+    of_each: str
     bridges: str
     becomes: str
     remembers: str

@@ -81,7 +81,7 @@ ENGLISH = Words(
     whenever="whenever {a}", deadline="within {a} at the latest",
     except_why="except where {a} ({b})", leaving_out="leaving out those for which {a} ({b})",
     colon="{a}: {b}", here="Here, {a}.", is_="{a} is {b}", if_="condition {a} is that {b}", when="{a} exactly when {b}", event="“{a}” is to say: {b}.",
-    starts="The {a} is one of {b}; it starts as “{c}”.", bridges="Where cycles are missing for up to {a}, it stays as it was.", becomes="It becomes “{a}” from {b} when {c}.", remembers="Then {a} is remembered as {b}.",
+    starts="The {a} is one of {b}; it starts as “{c}”.", of_each="{a} of {b}", bridges="Where cycles are missing for up to {a}, it stays as it was.", becomes="It becomes “{a}” from {b} when {c}.", remembers="Then {a} is remembered as {b}.",
     in_order="In each cycle, only the first of these changes that applies takes place.",
     solved="For {a}: the rule holds exactly as long as the following is so, wherever it applies and is not undefined, and both sides are real numbers. The reference evaluator says the same on {n} inputs, with the parameters in force. All numbers in it are in SI units.",
     unsolved="For {a}: not solved, because of {b}; what follows is found on the reference evaluator.",
