@@ -158,6 +158,16 @@ rule r "r"
     assert [text(one) for one in made.formulas] == [wanted]
 
 
+def test_a_rule_that_asks_for_a_member_is_solved() -> None:
+    """Inputs had numbers for members, of which none is green, and the reference "did not confirm" what it was never asked."""
+    spec = loads(
+        "module m\nenum flag { green, red }\nsignal ego : state { v: m/s, flag: flag }\nparam top : m/s = 9 m/s\n"
+        'rule r "r"\n  whenever ego.flag is green\n  require 2 * ego.v <= top\n'
+    )
+    (made,) = solve(spec.rules[0], spec, (), "v", ENGLISH)
+    assert [text(one) for one in made.formulas] == ["v_ego ≤ top/2"]
+
+
 def test_where_a_solution_says_nothing_of_a_rule_is_said(tmp_path: Path) -> None:
     """Below 0 m/s the demand is undefined, which is not safe, and what was solved for is kept there."""
     rule, spec = rule_of(tmp_path, 'rule r "r"\n  for all p in plan\n  require sqrt(p.v / (1 m/s)) <= 3\n')

@@ -119,6 +119,8 @@ def _column(field: FieldType, count: int, choose: random.Random) -> list[Any]:
 def _any(field: FieldType, choose: random.Random) -> Any:
     if field.kind == "bool":
         return choose.random() < 0.5
+    if field.enumeration is not None:
+        return choose.choice(field.enumeration.members)
     low, high = _bounds(field.lower, field.upper)
     value = choose.uniform(low, high) * choose.choice((1.0, 0.3, 0.03))
     return min(max(value, low), high)
