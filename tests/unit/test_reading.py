@@ -642,6 +642,17 @@ def test_a_definition_reads_of_the_record_that_it_is_given(tmp_path: Path) -> No
     )
 
 
+def test_of_several_conditions_of_a_choice_the_first_is_said_to_count(tmp_path: Path) -> None:
+    """At 12 m/s, both hold below: "3 m/s if .., 2 m/s if .." said two limits of one car."""
+    rule, spec = rule_of(
+        tmp_path,
+        'rule r "r"\n  require ego.x / (1 s) <= (if ego.v > 10 m/s then 3 m/s else if ego.v > 5 m/s then 2 m/s else 1 m/s)\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand[1] == (
+        "Here, A is 3 m/s if the speed of ego is greater than 10 m/s, else 2 m/s if the speed of ego is greater than 5 m/s, and otherwise 1 m/s."
+    )
+
+
 #: How a table is read, its rows, and what stands of that in front of them.
 TABLES = {
     "step": ("(h: h) -> km/h = step\n  | 6 h: 25 | 22 h: 15 |", "limit(ego.h)"),

@@ -188,7 +188,8 @@ class Sentences(Phrases):
         last: typed.Number = node
         while isinstance(last, typed.Choice):
             value, condition = self.number(last.then, ADDED), self.formula(last.condition, TOGETHER)
-            parts.append(self.words.where.format(a=value, b=condition))
+            # Several conditions may hold: the first one counts.
+            parts.append((self.words.else_where if parts else self.words.where).format(a=value, b=condition))
             last = last.otherwise
         return self.words.comma.join([*parts, self.words.otherwise.format(a=self.number(last, ADDED))])
 

@@ -33,8 +33,9 @@ class Words(Node):
     power: str
     #: A number or a condition that has a letter, where it is used, and what it is.
     condition: tuple[str, str]
-    #: A choice: a value where a condition holds, and the last one.
+    #: A choice: a value where a condition holds, one where no condition before it does, and the last one.
     where: str
+    else_where: str
     otherwise: str
     among: str
     #: A field, and one beside a definition or a state machine of its name.

@@ -23,7 +23,7 @@ ENGLISH = Words(
     more={"min": "the smallest of {a}", "max": "the greatest of {a}"},
     minus="minus {a}", pi="pi", square="the square of {a}", cube="the cube of {a}", power="{a} to the power of {b}",
     condition=("condition {a} holds", "condition {a} does not hold"),
-    where="{a} if {b}", otherwise="and otherwise {a}", among="{a} is one of {b}",
+    where="{a} if {b}", else_where="else {a} if {b}", otherwise="and otherwise {a}", among="{a} is one of {b}",
     field="the {a} of {b}", own_field="the field {a} of {b}", parameter="{a} ({b})", record="{a} has {b}", setting="the {a} {b}", table="the value of {a} at {b}",
     station="the station of {a} along {b}", offset="the offset of {a} from {b}", direction="the direction of {b} at {a}",
     distance="the distance from {a} to {b}", station_gap="the way along {a} from {b} to {c}",
