@@ -51,6 +51,10 @@ def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> It
         if wrong:
             message = "what is written over is no list of requirements that can be read whole: what it loses is not known"
             yield warning("T365", message, Place(shown), "look at it before it is gone")
+        source = read[1].text("source")
+        if source and all(source != document.table.text("source") for document in documents):
+            message = f"the list loses where it comes from: `{source}`"
+            yield warning("T365", message, source.place, "write it anew afterwards")
         for before in read[1].tables("requirements"):
             id_ = before.text("id")
             if id_ not in now:
