@@ -152,7 +152,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> Generator[None, object, o
     """A function that returns something has failed: what was to be asserted is handed to pytest, which passes it with a warning. So has one that
     a hook took for itself and did not call, as for a dry run."""
     called, said = pyfuncitem.obj, _Said("nothing called it in this process, so that its body never began")
-    if not _names(pyfuncitem) or iscoroutinefunction(called):  # pytest itself fails what nothing awaits
+    if not _names(pyfuncitem):
         return (yield)
     pyfuncitem.obj = said.of(called)
     try:
@@ -195,13 +195,13 @@ class _Said:
     def of(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """The function as one of its own kind: whoever runs it asks whether it is a coroutine."""
         if iscoroutinefunction(function):
-            self._wrong = (
+            self._wrong = self._uncalled or (
                 "nothing awaited it, so that its body never began: `unittest.IsolatedAsyncioTestCase` does"
             )
 
             @wraps(function)
             async def awaited(*args: object, **named: object) -> object:
-                self._wrong = ""
+                self._wrong = self._uncalled = ""
                 return self._seen(await function(*args, **named))
 
             return awaited

@@ -396,12 +396,31 @@ def test_what_a_hook_passes_and_never_calls_has_failed(project: Path) -> None:
     (project / "tests" / "conftest.py").write_text(
         "import pytest\n\n@pytest.hookimpl(tryfirst=True)\ndef pytest_pyfunc_call(pyfuncitem):\n    return True\n", "utf-8"
     )  # fmt: skip
-    tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\ndef test_other(): ...\n'
+    mark = '@pytest.mark.verifies("S-1-B-1")\n'
+    tests = f"import pytest\n{mark}def test_it(): assert False\n{mark}async def test_waits(): assert False\ndef test_other(): ...\n"
     done = run(project, tests, "--trackmarshal-results=out/a.json")
     assert done.returncode == 1, done.stdout + done.stderr
-    (test,) = load(project / "out" / "a.json").items
-    assert isinstance(test, ExternalTest)
-    assert (test.outcome, "nothing called it" in test.message) == ("failed", True)
+    found = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
+    assert [(test.name, test.outcome, "nothing called it" in test.message) for test in found] == [
+        ("test_it", "failed", True),
+        ("test_waits", "failed", True),
+    ]
+
+
+def test_a_coroutine_that_a_plugin_awaits_is_a_test(project: Path) -> None:
+    """As anyio does, which asks whether a function is one; what nothing awaits, pytest fails by itself."""
+    (project / "tests" / "conftest.py").write_text(
+        "import asyncio, inspect, pytest\n\n@pytest.hookimpl(tryfirst=True)\ndef pytest_pyfunc_call(pyfuncitem):\n"
+        "    if inspect.iscoroutinefunction(pyfuncitem.obj) and 'left' not in pyfuncitem.name:\n"
+        "        asyncio.run(pyfuncitem.obj())\n        return True\n", "utf-8"
+    )  # fmt: skip
+    mark = '@pytest.mark.verifies("S-1-B-1")\nasync '
+    tests = f"import pytest\n{mark}def test_fails(): assert 1 == 2\n{mark}def test_holds(): ...\n{mark}def test_is_left(): ...\n{mark}def test_returns(): return 1\n"
+    run(project, tests, "--trackmarshal-results=out/a.json")
+    found = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
+    assert {test.name: test.outcome for test in found} == {
+        "test_fails": "failed", "test_holds": "passed", "test_is_left": "failed", "test_returns": "failed",
+    }  # fmt: skip
 
 
 def test_a_message_that_no_file_can_hold_is_written_all_the_same(project: Path) -> None:
