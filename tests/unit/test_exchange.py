@@ -728,6 +728,22 @@ def test_lists_that_come_back_by_their_titles(
     assert "T365" not in capsys.readouterr().err
 
 
+def test_what_goes_beside_the_project_has_no_ids_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Whoever wanted to look at it first was told to write it over the project's file."""
+    monkeypatch.chdir(project(tmp_path))
+    head = "id,title,statement,rationale,refines,status,asil,verification,source\n"
+    row = "RR-1,A,It shall.,B,RR-2,draft,QM,test,C\n"
+    Path("in.csv").write_text(head + row)
+    for out, status in (("../look.yaml", 0), ("requirements/look.yaml", 2)):
+        assert main(["import", "requirements", "in.csv", "--out", out]) == status
+        assert ("T355" in capsys.readouterr().err) == (status == 2)
+    Path("in.csv").write_text(head + row * 2)
+    assert main(["import", "requirements", "in.csv", "--out", "../more.yaml"]) == 2
+    assert "error[T355]: the id `RR-1` is there twice" in capsys.readouterr().err
+
+
 def test_an_id_that_is_in_the_file_twice_and_in_the_project_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

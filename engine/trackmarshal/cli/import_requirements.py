@@ -33,7 +33,8 @@ def run(args: argparse.Namespace) -> int:
     targets = _targets(documents, path, root, args.out)
     project = load(root)[0] if root is not None and (root / "requirements").is_dir() else None
     written = {from_project(root, target) for target in targets} if root is not None else set()
-    found += exchange.check(documents, project, written)
+    beside = not any(target.startswith("requirements/") for target in written)
+    found += exchange.check(documents, project, written, beside)
     there = [target for target in targets if os.path.lexists(target)]
     found += exchange.lost(
         documents, [(one, str(one) if root is None else from_project(root, one)) for one in there]

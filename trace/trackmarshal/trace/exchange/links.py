@@ -16,11 +16,14 @@ _SAME = (
 
 
 def check(
-    documents: Sequence[Document], project: Project | None = None, without: Collection[str] = ()
+    documents: Sequence[Document],
+    project: Project | None = None,
+    without: Collection[str] = (),
+    beside: bool = False,
 ) -> list[Finding]:
     """T355 for ids that are there twice, in the documents or in the project, T356 for links to nothing.
 
-    `without` are the project's files that are about to be written anew. Interfaces are looked for where the project has a model.
+    `without` are the project's files that are about to be written anew; `beside`: the documents go where the project reads none. Interfaces are looked for where the project has a model.
     """
     found: list[Finding] = []
     there = (
@@ -35,7 +38,8 @@ def check(
         if not id_:
             continue  # which is an error already
         if id_ in there and first[id_] is there[id_]:
-            again.setdefault(there[id_].file, []).append(id_)
+            if not beside:
+                again.setdefault(there[id_].file, []).append(id_)
             first[id_] = id_.place
         elif id_ in first:
             found.append(_twice(id_, first[id_], "", "give each requirement an id of its own"))
