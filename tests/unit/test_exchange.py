@@ -582,6 +582,18 @@ def test_a_spreadsheet_leaves_columns_and_lines_empty(text: str) -> None:
     assert (found, one["id"], one["statement"]) == ([], "A-1", "It shall open.")
 
 
+def test_a_new_row_on_top_says_less_of_its_list_than_the_others() -> None:
+    """It has the list's name and no title, and then the list was said to have two."""
+    row = "{},A,It shall stop.\n"
+    text = f"document,document_title,document_source,Key,Name,Text\nl,,,{row.format('AB-2')}l,Brakes,a book,{row.format('AB-1')}"
+    documents, found = read(text, "csv", NAMING)
+    (one,) = documents
+    assert (found, one.name, one.table["title"], one.table["source"]) == ([], "l", "Brakes", "a book")
+    assert [str(r["id"]) for r in one.requirements] == ["AB-2", "AB-1"]
+    with pytest.raises(Refused, match=r"T354.*two titles"):
+        read(f"{text}l,Doors,,{row.format('AB-3')}", "csv", NAMING)
+
+
 def test_a_new_row_says_to_which_list_it_belongs() -> None:
     """It was a list of its own, which has no name, and the help led from a file to a folder and back."""
     text = "document,id,title,statement\nlist,A-1,a,It shall open.\n,A-2,b,It shall close.\n"

@@ -107,7 +107,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
             )
         told: dict[str, Value] = dict(zip(names, map(_text, cells), strict=False))
         name, title, source = (str(told.pop(column, "")).strip() for column in OF_DOCUMENT)
-        draft = drafts.setdefault(name, Draft(name, title or name or "Requirements", source))
+        draft = drafts.setdefault(name, Draft(name, title, source))
+        draft.title, draft.source = draft.title or title, draft.source or source
         if title not in ("", draft.title) or source not in ("", draft.source):
             raise Refused(
                 "T354",
@@ -118,6 +119,8 @@ def read(data: bytes, shown: str) -> list[Draft]:
             )
         if any(value for value in told.values()):
             draft.items.append(Item(told, line))
+    for name, draft in drafts.items():  # which no row says of some
+        draft.title = draft.title or name or "Requirements"
     nameless = drafts.get("")
     if nameless is not None and nameless.items and len(drafts) > 1:
         raise Refused(
