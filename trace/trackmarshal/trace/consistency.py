@@ -246,13 +246,13 @@ def _v_model(project: Project) -> Iterator[Finding]:
         )
         if (cells, findings) not in ((2, 0), (0, 2)):
             message = f"`{waiver.id}` says neither which cells nor which findings it waives"
-            yield error(
-                "T127",
-                message,
-                waiver.id.place,
-                "give `stages` and `requirements`, or `codes` and `subjects`",
-                waiver.id,
-            )
+            help_ = "give `stages` and `requirements`, or `codes` and `subjects`"
+            if cells and findings:
+                message = f"`{waiver.id}` is to waive cells and findings"
+                help_ = (
+                    "grant one for `stages` and `requirements`, and another one for `codes` and `subjects`"
+                )
+            yield error("T127", message, waiver.id.place, help_, waiver.id)
 
 
 def _unasked(project: Project) -> Iterator[Finding]:
