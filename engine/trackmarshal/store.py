@@ -25,6 +25,7 @@ KINDS = ("test", "run", "fault", "external", "comparison")
 #: How lines begin that git writes around the sides of what it could not merge.
 _SIDES = (b"<<<<<<<", b"|||||||", b"=======", b">>>>>>>")
 _HEAD, _ID = b'{"id": "', 64
+_OTHER_VERSION = "it is no entry of this version"
 #: From where on a line is hashed: behind its id, the quote, comma and space after it.
 _REST = len(_HEAD) + _ID + 3
 
@@ -134,6 +135,15 @@ class Store:
         for entry in new:
             self._take(entry)
 
+    def refuse(self, entry: Entry) -> None:
+        """Count an entry for nothing of which the result is none of this version: it is broken, and those before it count again."""
+        key = (entry.kind, entry.subject)
+        self.broken.append(Broken(entry.line, _OTHER_VERSION, entry.subject))
+        self._of[key] = [one for one in self._of[key] if one is not entry]
+        del self._last[key]
+        for one in self._of[key][-1:]:
+            self._last[key] = one
+
     def _take(self, entry: Entry) -> None:
         self._last[entry.kind, entry.subject] = entry
         self._of.setdefault((entry.kind, entry.subject), []).append(entry)
@@ -193,7 +203,7 @@ def _entry(line: bytes, number: int) -> Entry | Broken:
         ):
             raise ValueError
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return Broken(number, "it is no entry of this version")
+        return Broken(number, _OTHER_VERSION)
     return entry
 
 

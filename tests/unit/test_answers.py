@@ -168,6 +168,29 @@ def _forged(path: Path) -> None:
     path.write_bytes(b"\n".join(lines) + b"\n")
 
 
+@pytest.mark.parametrize("kind", ["test", "run"])
+@pytest.mark.parametrize("result", [{}, {"outcome": 5, "cycles": "many"}])
+def test_a_result_of_another_shape_is_named_and_run_again(
+    kind: str, result: dict[str, object], project: Path, made: list[str]
+) -> None:
+    """As one of another version of the program, whose hash is fine: it was an error without a place."""
+    gate()
+    path = project / "out/results" / FILE
+    lines = path.read_bytes().splitlines()
+    at = next(number for number, line in enumerate(lines) if json.loads(line)["kind"] == kind)
+    said = {**json.loads(lines[at]), "result": result}
+    said.pop("id")
+    rest = json.dumps(said, ensure_ascii=False, sort_keys=True)[1:].encode()
+    lines[at] = b'{"id": "' + sha256(rest).hexdigest().encode() + b'", ' + rest
+    path.write_bytes(b"\n".join(lines) + b"\n")
+    made.clear()
+    told = f"out/results/evidence.jsonl:{at + 1}: error[T293]: an entry of the evidence store was changed or cut: it is no entry of this version"
+    for more, again in (("--as-is",), 0), ((), 2):
+        status, text = gate(*more)
+        assert (status, text.count("error[T29"), text.count(told), len(made)) == (1, 1, 1, again), text
+    assert "T230" not in text, "what came out now counts"
+
+
 def test_a_forged_result_is_found_by_running_everything_again(project: Path) -> None:
     path = project / "specs/speed.spec"
     path.write_text(path.read_text("utf-8").replace("expect violated", "expect satisfied", 1), "utf-8")

@@ -7,14 +7,16 @@ import json
 import platform
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from trackmarshal.cli.evidence import now
 from trackmarshal.cli.git import answer
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.store import Entry, Store
+
+T = TypeVar("T")
 
 #: What results of earlier versions do not say.
 _LATER = ("ranges",)
@@ -39,14 +41,25 @@ class Answers:
         self.unlike: list[tuple[Entry, str]] = []
 
     def known(
-        self, kind: str, subject: str, inputs: Mapping[str, str], whatever: bool
-    ) -> dict[str, Any] | None:
+        self,
+        kind: str,
+        subject: str,
+        inputs: Mapping[str, str],
+        whatever: bool,
+        read: Callable[[dict[str, Any]], T],
+    ) -> T | None:
         """The result that was made from exactly these inputs, `whatever` it was made from if there is no other; None where there is none,
-        and where all is to be run again."""
+        and where all is to be run again. read: what it is, of what the store holds; what it cannot read is told as broken."""
+        while (entry := self._entry(kind, subject, inputs, whatever)) is not None:
+            try:
+                return read(dict(entry.result))
+            except (TrackmarshalError, KeyError):
+                self.store.refuse(entry)
+        return None
+
+    def _entry(self, kind: str, subject: str, inputs: Mapping[str, str], whatever: bool) -> Entry | None:
         entry = None if self._again else self.store.find(kind, subject, inputs)
-        if entry is None and whatever:
-            entry = self.store.latest(kind, subject)
-        return None if entry is None else dict(entry.result)
+        return self.store.latest(kind, subject) if entry is None and whatever else entry
 
     def learn(
         self, kind: str, subject: str, inputs: Mapping[str, str], result: Mapping[str, Any], params: Mapping[str, float] | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 from functools import cached_property
@@ -15,7 +15,7 @@ from trackmarshal.cli.facts import Facts, facts
 from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.files import SETTLE, UNMERGED
-from trackmarshal.records import FaultResult, RunSummary, TestResult
+from trackmarshal.records import FaultResult, RunSummary, SpecTest, TestResult
 from trackmarshal.store import Entry
 
 if TYPE_CHECKING:
@@ -166,10 +166,10 @@ def _tests(answers: Answers, said: Facts, made: _Making | None) -> Iterable[Test
             continue
         inputs[test.rule, test.title] = said.of_test(test)
         known = answers.known(
-            "test", f"{test.rule}: {test.title}", inputs[test.rule, test.title], made is None
+            "test", f"{test.rule}: {test.title}", inputs[test.rule, test.title], made is None, _standing(test)
         )
-        if known is not None and (made is None or known.get("outcome") == "passed"):
-            yield TestResult.from_json({**known, "file": test.file, "line": test.line})
+        if known is not None and (made is None or known.outcome == "passed"):
+            yield known
         elif made is not None:
             todo.append(test)
     if todo and made is not None:
@@ -179,14 +179,19 @@ def _tests(answers: Answers, said: Facts, made: _Making | None) -> Iterable[Test
             yield result
 
 
+def _standing(test: SpecTest) -> Callable[[dict[str, Any]], TestResult]:
+    """The result of a test, of what the store holds: where the test stands now."""
+    return lambda said: TestResult.from_json({**said, "file": test.file, "line": test.line})
+
+
 def _runs(answers: Answers, said: Facts, made: _Making | None, show: bool) -> Iterable[RunSummary]:
     """The runs of all scenarios but those that are kept: what is known, and where runs can be made, all others; to `show` them, all."""
     for shown, inputs in said.run_inputs.items():
         if "recording" not in inputs:
             continue
-        known = answers.known("run", shown, inputs, made is None)
+        known = answers.known("run", shown, inputs, made is None, RunSummary.from_json)
         if known is not None and not (show and made is not None):
-            yield RunSummary.from_json(known)
+            yield known
         elif made is not None:
             summary, outcome, evaluator, params = made.sources.replay(shown, said, made.quiet, show)
             made.replays.append((summary, outcome, evaluator))
@@ -199,9 +204,11 @@ def _faults(answers: Answers, said: Facts, made: _Making | None) -> Iterable[Fau
     todo = {}
     for case in said.fault_cases:
         inputs = {"fault": case.fingerprint}
-        known = answers.known("fault", f"{case.campaign} {case.id}", inputs, made is None)
+        known = answers.known(
+            "fault", f"{case.campaign} {case.id}", inputs, made is None, FaultResult.from_json
+        )
         if known is not None:
-            yield FaultResult.from_json(known)
+            yield known
         elif made is not None and case.fingerprint:
             todo[case.campaign, case.id] = inputs
     if todo and made is not None:

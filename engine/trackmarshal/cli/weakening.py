@@ -9,7 +9,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts
@@ -97,9 +97,9 @@ class Weakening:
                 "recording": recorded,
                 "engine": tool(),
             }
-            known = self._answers.known("comparison", name, inputs, False)
+            known = self._answers.known("comparison", name, inputs, False, _told)
             if known is not None:
-                self._told[name] = (str(known["word"]), str(known["said"]))
+                self._told[name] = known
             else:
                 left[name] = inputs
         if not left:
@@ -212,6 +212,11 @@ class _Then:
             except TrackmarshalError:
                 lacking += 1
         return pairs, lacking
+
+
+def _told(held: Mapping[str, Any]) -> tuple[str, str]:
+    """Word and sentence of a comparison, of what the store holds; raises KeyError for what is none."""
+    return str(held["word"]), str(held["said"])
 
 
 def _kind(item: SpecItem) -> str:
