@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from support.cycles import cycle
+from support.cycles import PERIOD, cycle
 from support.processes import PATIENCE, Rig, Served, built, free_port
 from support.supervised import shipped
 from trackmarshal.errors import TrackmarshalError
@@ -40,6 +40,7 @@ from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
+from trackmarshal.runtime.record import Record, read
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 BOTH = pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"], indirect=True)
@@ -197,6 +198,37 @@ def test_of_a_supervisor_that_does_not_answer_nothing_is_known(udp: bool) -> Non
             said = remote.step(given)
             assert (said.state, said.driven, said.safe) == ("no_safe_trajectory", None, False)
         remote.close()
+
+
+@BOTH
+def test_a_step_that_is_stopped_while_it_waits_is_missing_in_the_record(
+    rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The process has decided about its cycle, so that the next one is not skipped, as it is to whoever runs the record again."""
+    spec, path = shipped(), tmp_path / "run.arrows"
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    rig.client.close()
+    rig.connect()
+    supervisor = RemoteSupervisor(spec, rules, rig.client, clock=lambda: rig.now, patience=PATIENCE)
+    supervisor.recorder = Record(path, supervisor.contract, supervisor.limits, {}, saving=None)
+
+    def step(number: int) -> bool:
+        rig.now = number * PERIOD
+        return supervisor.step(cycle(number)).safe
+
+    assert step(3)
+
+    def stop(seconds: float) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(rig.client.channel, "receive", stop)
+        with pytest.raises(KeyboardInterrupt):
+            step(4)
+    assert step(5)
+    supervisor.recorder.close()
+    run = read(path.read_bytes(), str(path))
+    assert (len(run.cycles), run.missed, run.damage, run.ended) == (2, 1, "", True)
 
 
 @pytest.mark.verifies("S-1-B-4")

@@ -126,6 +126,9 @@ class Stepping(Protocol):
     @property
     def taken(self) -> int: ...
 
+    @property
+    def serial(self) -> Sequence[int]: ...
+
     @staticmethod
     def lost(said: Said) -> str: ...
 

@@ -118,8 +118,8 @@ class CSupervisor(OfOneRun):
             if stepping is None
             else stepping(source)
         )
-        #: How many steps C has taken, where it is here; and how many it had when a step was handed to the recorder.
-        self._counted: Sequence[int] = self.stepper.serial if isinstance(self.stepper, Stepper) else (0,)
+        #: How many steps C has taken, and how many it had when a step was handed to the recorder.
+        self._counted = self.stepper.serial
         self._recorded = 0
         self._recorder: Recorder | None = None
         #: Why the record is not complete; empty where it is.
