@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import trackmarshal as tm
 from support.cycles import PERIOD, cycle
 from support.processes import PATIENCE, Rig, Served, built, free_port
 from support.supervised import shipped
@@ -198,6 +199,23 @@ def test_of_a_supervisor_that_does_not_answer_nothing_is_known(udp: bool) -> Non
             said = remote.step(given)
             assert (said.state, said.driven, said.safe) == ("no_safe_trajectory", None, False)
         remote.close()
+
+
+@BOTH
+def test_a_line_is_no_border_that_somebody_has_sent_before(rig: Rig) -> None:
+    """Both have numbers, which are counted apart: whoever sent a cycle by hand, and had a RemoteSupervisor take the next ones, had them judged
+    between the borders of the first."""
+    spec, given = shipped(), cycle(4)
+    rules = [rule for rule in spec.rules if rule.formula is not None]
+    lines = {side: tm.line([(-50.0, y), (2000.0, y)]) for side, y in (("left", 0.5), ("right", -0.5))}
+    for side in ("left", "right"):
+        rig._borders[side] = Border(given.signals["track"][side])
+        rig._borders[side].number = lines[side].number
+    assert rig.step(3)["safe"] == 1
+    rig.now = given.t
+    supervisor = RemoteSupervisor(spec, rules, rig.client, clock=lambda: rig.now, patience=PATIENCE)
+    narrow = replace(given, signals={**given.signals, "track": lines})
+    assert not supervisor.step(narrow).safe
 
 
 @BOTH

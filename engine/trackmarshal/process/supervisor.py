@@ -205,7 +205,8 @@ class _Points(Border):
     __slots__ = ()
 
     def __init__(self, line: Line) -> None:
-        self.number, self.count = line.number, len(line)
+        # Lines and Borders are counted apart: below 0, the one is never taken for the other.
+        self.number, self.count = -line.number, len(line)
         self.points: Any = np.ascontiguousarray(line.points, dtype=np.float64).reshape(-1)
 
 
