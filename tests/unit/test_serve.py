@@ -134,12 +134,24 @@ def test_there_is_room_for_as_many_ports_as_in_the_process() -> None:
     assert f"#define MOST_LISTENERS {serve.MOST_LISTENERS}u\n" in template.read_text("utf-8")
 
 
-def test_decisions_do_not_go_to_the_process_itself() -> None:
-    """In simulated time, each sign of life was answered by another one: 25,000 a second, beside which decisions were lost."""
-    command = built().command(udp=7000, to=[7001, 7000], simulated=True)
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=PATIENCE)
-    assert done.returncode == 2
-    assert done.stderr.startswith("--to is another port than --udp\n")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        # In simulated time, each sign of life was answered by another one: 25,000 a second, beside which decisions were lost.
+        ("--udp 7000 --to 7001 --to 7000 --simulated", "--to is another port than --udp"),
+        # It served files without a name in the folder that it was started in.
+        ("--shm", "--shm has a path"),
+        # Who listened there heard nothing.
+        ("--shm one --to 7001", "--to is for datagrams: in shared memory anybody may read decisions"),
+    ],
+)
+def test_what_the_process_itself_refuses(words: str, said: str, tmp_path: Path) -> None:
+    command = [str(built().path), *words.split()]
+    done = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
+    assert (done.returncode, done.stderr.split("\n")[0]) == (2, said)
+    assert list(tmp_path.iterdir()) == []
 
 
 def described(limits: Limits) -> dict[str, Any]:

@@ -258,6 +258,8 @@ int main(int argc, char **argv) {
     ++i;
   }
   if ((name == NULL) == (port == 0u)) { return usage("--shm or --udp"); }
+  if ((name != NULL) && (name[0] == '\0')) { return usage("--shm has a path"); }
+  if ((name != NULL) && (listener_count > 0u)) { return usage("--to is for datagrams: in shared memory anybody may read decisions"); }
   if ((name != NULL) && (strlen(name) > 4000u)) { return usage("the path is too long"); }
   for (size_t i = 0u; (port != 0u) && (i < listener_count); ++i) { /* in simulated time, each sign of life would be a datagram that asks for one */
     if (listeners[i].sin_port == htons((uint16_t)port)) { return usage("--to is another port than --udp"); }
