@@ -1265,6 +1265,38 @@ def test_it_serves_however_much_memory_may_be_locked(tmp_path: Path) -> None:
         assert served(enough)["VmLck"] > shared
 
 
+@pytest.mark.parametrize("dies", [True, False])
+def test_a_planner_connects_anew_whoever_it_has_forked(dies: bool, tmp_path: Path) -> None:
+    """A worker that lived on had the file open as well, and with it the lock: "is written by another client", the planner was told, also the next
+    one, of one that had died. What the worker closes is not the planner's."""
+    writing, reading = mailboxes(tmp_path)
+    writing.close()
+    (begin, end), (told, tell) = os.pipe(), os.pipe()
+    planner = os.fork()
+    if planner == 0:
+        own = Region(built().layout, "cycles", writing.path, True)
+        if os.fork() == 0:
+            own.close()
+            os.write(tell, b"!")
+            os.close(end)
+            os.read(begin, 1)  # for as long as the test goes on
+            os._exit(0)
+        os.read(told, 1)
+        if not dies:
+            try:
+                Region(built().layout, "cycles", writing.path, True)
+            except LinkError:
+                own.close()
+                Region(built().layout, "cycles", writing.path, True)
+                os._exit(10)
+        os._exit(10 if dies else 11)
+    assert os.waitstatus_to_exitcode(os.waitpid(planner, 0)[1]) == 10
+    Region(built().layout, "cycles", writing.path, True).close()
+    for pipe in (end, begin, told, tell):
+        os.close(pipe)
+    reading.close()
+
+
 def test_one_supervisor_and_one_planner_for_a_name() -> None:
     with Served(built()) as served:
         other = Served.__new__(Served)

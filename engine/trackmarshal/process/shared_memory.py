@@ -10,6 +10,8 @@ import platform
 import struct
 import sys
 import time
+import weakref
+from contextlib import suppress
 from typing import Any
 
 from .messages import Layout, LinkError
@@ -81,6 +83,8 @@ class Region:
         self._bell = memory["bell"] // 4
         self._bell_at = _address(self._map) + memory["bell"]
         self._libc: Any = ctypes.CDLL(None, use_errno=True)
+        if writing:
+            _written.add(self)
 
     def close(self) -> None:
         for view in (self._words, self._halves, self._bytes):
@@ -153,6 +157,20 @@ class Region:
                 None,
                 0,
             )
+
+
+#: What this process writes.
+_written = weakref.WeakSet[Region]()
+
+
+def _forked() -> None:
+    """A fork writes nothing, and has no copy of a lock, which would keep others out when the planner is gone."""
+    for region in list(_written):
+        with suppress(BufferError):  # another thread was writing just then
+            region.close()
+
+
+os.register_at_fork(after_in_child=_forked)
 
 
 class SharedMemory:
