@@ -605,3 +605,19 @@ def test_what_a_contract_of_ones_own_does_not_have_is_neither_asked_for_nor_sent
         now = cycle.t
         decision = supervisor.step(cycle)
         assert decision.state == "drive", [str(reason) for reason in decision.reasons]
+
+
+def test_what_the_adapter_leaves_to_a_default_is_told() -> None:
+    """Also where the planner sends it by the contract's own name: what stands for it then is judged, and nothing breaks the contract."""
+    text = OWN.replace(
+        "signal ego : state { ", "signal ego : state { boost: bool default false, fuel: kg default 9 kg, "
+    )
+    assert text != OWN
+    own = tm.loads(text + '\nrule no_boost "None"\n  require   not ego.boost\n')
+    cycles = [{**one, "ego": {**one["ego"], "boost": True}} for one in recorded()[0]]
+    report = tm.check_planner(cycles, own)
+    assert "boost" not in report.cycles[0].signals["ego"]
+    told = {one.about: one for one in report.findings if "default" in one.words}
+    assert told.keys() == {"ego.boost"}  # no rule reads the other one
+    assert told["ego.boost"].level == "note"
+    assert told["ego.boost"].words.endswith("judged by no_boost")

@@ -19,6 +19,7 @@ from trackmarshal.runtime.door.door import Door
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.scenarios.field.log import MOVING
 from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
+from trackmarshal.scenarios.inputs import with_default
 
 #: A fault at the door -> what to do.
 ADVICE = {
@@ -304,6 +305,22 @@ def _origin(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Find
         )  # fmt: skip
     elif not made.absolute and np.abs(first).max() > 1e-9:
         yield Finding("note", "plan.t", words, "what is due at 0 s, at the stamp, is where the car is then")
+
+
+def of_defaults(made: Mapped, spec: Spec, rules: Sequence[RuleInfo]) -> Iterator[Finding]:
+    """What need not be sent, and is not: the contract is kept, and rules judge what nobody said."""
+    taken = {
+        "plan": {*made.plan, *made.computed},
+        "ego": made.ego_fields,
+        "objects": made.object_fields,
+        "obstacles": made.obstacle_fields,
+    }
+    for (signal, field), readers in with_default(spec, rules).items():
+        if field not in taken[signal]:
+            words = f"nothing is taken for it: the adapter leaves it to the spec's default, which is judged by {', '.join(readers)}"
+            yield Finding(
+                "note", f"{signal}.{field}", words, "hand it on, unless the default is true of every cycle"
+            )
 
 
 def at_the_door(

@@ -13,7 +13,7 @@ import numpy as np
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.files import open_regular
 from trackmarshal.integration import adapter as written
-from trackmarshal.integration.findings import Finding, at_the_door, of_motion, of_structure
+from trackmarshal.integration.findings import Finding, at_the_door, of_defaults, of_motion, of_structure
 from trackmarshal.integration.mapped import Mapped, read
 from trackmarshal.integration.mapping import Column
 from trackmarshal.ir.spec import Spec
@@ -170,6 +170,7 @@ def check_planner(
         told = {one.about for one in findings if one.level == "broken"}
         rules = [rule for rule in spec.rules if rule.formula is not None]
         findings += at_the_door(spec, rules, cycles, told)
+        findings += of_defaults(made, spec, rules)
         return PlannerReport(name, made, cycles, tuple(findings), written.adapter(made, raws, header))
 
 

@@ -71,20 +71,26 @@ def _with(record: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]
 
 def defaulted(recording: Recording, spec: Spec, rules: Iterable[RuleInfo]) -> dict[str, tuple[str, ...]]:
     """Fields with a default that some cycle lacks, `plan.grip`, each with the names of the rules that read it: there, the default is what they judge."""
-    readers: dict[str, list[str]] = {}
+    return {
+        f"{signal}.{field}": readers
+        for (signal, field), readers in with_default(spec, rules).items()
+        if any(field not in each for each in _records(recording, signal))
+    }
+
+
+def with_default(spec: Spec, rules: Iterable[RuleInfo]) -> dict[tuple[str, str], tuple[str, ...]]:
+    """Fields of `SIGNALS` that need not be sent, as they have a default, each with the names of the rules that read it."""
+    readers: dict[tuple[str, str], dict[str, None]] = {}
     for rule in rules:
-        for signal, read in rule.reads:
-            readers.setdefault(f"{signal}.{read}", []).append(rule.name)
-    found: dict[str, tuple[str, ...]] = {}
-    for signal in SIGNALS:
-        declared = spec.signals.get(signal)
-        for field in () if declared is None else declared.fields_:
-            name = f"{signal}.{field.name}"
-            if field.default is None or name not in readers:
-                continue
-            if any(field.name not in each for each in _records(recording, signal)):
-                found[name] = tuple(dict.fromkeys(readers[name]))
-    return found
+        for read in rule.reads:
+            readers.setdefault(read, {})[rule.name] = None
+    return {
+        (signal, field.name): tuple(readers[signal, field.name])
+        for signal in SIGNALS
+        if signal in spec.signals
+        for field in spec.signals[signal].fields_
+        if field.default is not None and (signal, field.name) in readers
+    }
 
 
 def _records(recording: Recording, signal: str) -> Iterator[Mapping[str, Any]]:
