@@ -470,6 +470,38 @@ def test_a_zone_holds_on_every_lap(tmp_path: Path, start: float, zone: str) -> N
     assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (True,) * 3
 
 
+@pytest.mark.parametrize(
+    ("aside", "truth"), [(0.0, True), (0.1, None), (-1.9, None), (2.0, False), (-2.1, False)]
+)
+def test_a_car_that_is_reported_where_it_is_not_is_unsafe(
+    tmp_path: Path, aside: float, truth: bool | None
+) -> None:
+    """It is 2 m wide: from there on, it does not even overlap its place."""
+    text = "".join([
+        "format: trackmarshal-scenario\nversion: 1\nname: aside\ntrack: track.yaml\nduration: 0.2\nstep: 0.2\n", VEHICLE,
+        "ego: {start: {s: 5, d: 0, v: 5}}\nplan: {points: 16, horizon: 2}\n",
+        f"emergency: {{points: 10, deceleration: 5, grip_share: 0.95}}\npose_error: [[0, {aside}]]\n",
+    ])  # fmt: skip
+    (tmp_path / "scene.yaml").write_text(text)
+    (tmp_path / "track.yaml").write_text(CIRCUIT)
+    assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (truth,) * 2
+
+
+def test_a_plan_that_rolls_back_is_unsafe(tmp_path: Path) -> None:
+    """Slowly, so that neither brakes nor tyres are asked for more than they have."""
+    text = "".join([
+        "format: trackmarshal-scenario\nversion: 1\nname: back\ntrack: track.yaml\nduration: 1.2\nstep: 0.2\n", VEHICLE,
+        "ego: {start: {s: 5, d: 0, v: 0.6}}\nplan: {points: 16, horizon: 1.5}\n",
+        "emergency: {points: 10, deceleration: 1, grip_share: 0.95}\n",
+        "mistakes: [{begin: 1, end: 1, acceleration: [[0, -1]]}]\n",
+    ])  # fmt: skip
+    (tmp_path / "scene.yaml").write_text(text)
+    (tmp_path / "track.yaml").write_text(CIRCUIT)
+    made = generate(tmp_path / "scene.yaml")
+    assert min(made.cycles[5].candidates["driving"]["v"]) < -0.8
+    assert made.ground_truth["static"] == (True,) * 5 + (False, True)
+
+
 BLUE = "others:\n  - id: blue\n    start: {s: 700, d: 0, v: 25}\n"
 
 
