@@ -317,7 +317,7 @@ def _range(parser: Parser) -> tuple[list[str], str, Tree | None]:
 def _condition(row: list[Sign]) -> Tree | None:
     if row[0] == ("word", "else"):
         return None
-    assert row[0] == ("word", "if"), row
+    assert row[0] in (("word", "if"), ("word", "else if")), row
     return ("any",) if row[1:] == [("word", "there is any")] else Parser(row[1:]).whole()
 
 

@@ -651,6 +651,12 @@ def test_of_several_conditions_of_a_choice_the_first_is_said_to_count(tmp_path: 
     assert tell(rule, spec, ENGLISH).demand[1] == (
         "Here, A is 3 m/s if the speed of ego is greater than 10 m/s, else 2 m/s if the speed of ego is greater than 5 m/s, and otherwise 1 m/s."
     )
+    (demand,) = read(rule, spec).clauses
+    for shown in (mathml.formula(demand.formula), typst.formula(demand.formula), text(demand.formula)):
+        assert [
+            " ".join(word.split())
+            for word in re.findall(r"else if|if|else", shown.replace("\xa0", " ").replace("&#xa0;", " "))
+        ] == ["if", "else if", "else"]
 
 
 #: How a table is read, its rows, and what stands of that in front of them.

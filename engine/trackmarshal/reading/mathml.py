@@ -144,11 +144,12 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
 
 def _branches(piece: at.Branches) -> str:
     rows = ""
-    for one in piece.branches:
+    for number, one in enumerate(piece.branches):
+        word = "else if" if number else "if"  # several may be so, and the first of them counts
         when = (
             "<mtext>else</mtext>"
             if one.condition is None
-            else f"<mrow><mtext>if&#xa0;</mtext>{element(one.condition)}</mrow>"
+            else f"<mrow><mtext>{_text(word)}&#xa0;</mtext>{element(one.condition)}</mrow>"
         )
         rows += (
             f'<mtr><mtd style="text-align: left">{element(one.value)}</mtd>'

@@ -97,7 +97,8 @@ def content(piece: Layout) -> str:
                 return f"{content(piece.head)} {_fenced('{', content(piece.range))}"
             return f"attach(limits({content(piece.head)}), b: {_one(piece.range)}) thin {content(piece.body)}"
         case at.Branches():
-            return f"cases({', '.join(map(_branch, piece.branches))})"
+            rows = [_branch(one, "else if" if number else "if") for number, one in enumerate(piece.branches)]
+            return f"cases({', '.join(rows)})"
         case _:
             assert_never(piece)
 
@@ -123,8 +124,9 @@ def _between(sign: at.Sign | at.Word | at.Index) -> str:
     return content(sign) if isinstance(sign, at.Sign) else f"med {content(sign)} med"
 
 
-def _branch(one: at.Branch) -> str:
-    condition = 'upright("else")' if one.condition is None else f'upright("if ") {content(one.condition)}'
+def _branch(one: at.Branch, word: str) -> str:
+    """A row of a choice; word: before its condition, as several may be so, and the first of them counts."""
+    condition = 'upright("else")' if one.condition is None else f'upright("{word} ") {content(one.condition)}'
     return f"{content(one.value)} quad & {condition}"
 
 
