@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -126,3 +127,21 @@ def test_what_a_monitor_judges_by_default_is_told_of_runs_of_today(
     said = {f.message for f in found if f.code == "T249" and f.subject == FIELD}
     expected = {f"`{FIELD}` does not have `plan.seen`, so A-SEEN is judged on the default of the spec"}
     assert said == (expected if told else set())
+
+
+@pytest.mark.parametrize(("there", "status", "told"), [
+    (b"t,x\n0,1\n", "covered", []), (b"t,x\r\n0,1\r\n", "covered", []), (None, "covered", ["T248"]), (b"t,x\n0,2\n", "stale", ["T242"]),
+    (b"", "stale", ["T242"]),
+])  # fmt: skip
+def test_a_kept_run_is_of_the_log_that_is_here_wherever_that_is(
+    there: bytes | None, status: str, told: list[str], tmp_path: Path
+) -> None:
+    """Logs need not be part of the project; of one that is another one now, the run shows nothing."""
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace("requirements/v-model.yaml", "origin: field", "origin: field, kept: records/runs.json")
+    if there is not None:
+        (tmp_path / "drive.csv").write_bytes(there)
+    made_from = {"../drive.csv": sha256(b"t,x\n0,1\n").hexdigest()}
+    assert cell(small, "S-4-B", made_from=made_from)[0] == status
+    found = [f.code for f in matrix(small, made_from=made_from).findings if f.subject == FIELD]
+    assert [code for code in found if code in ("T242", "T248")] == told
