@@ -417,6 +417,30 @@ def test_a_recording_has_what_other_specs_declare() -> None:
     assert Bench(replace(recording, cycles=cycles), evaluator).run(campaign, idle).wrong == ""
 
 
+def test_stamps_may_count_from_1970(tmp_path: Path) -> None:
+    """No time of a campaign was later than 11 days: into the recording of a car whose clock is that of Unix, nothing could be put."""
+    text = HEAD + FAULT
+    for old, new in (("begin: 2\n", "begin: 1700000002\n"), ("end: 2.2", "end: 1700000002.2"), ("first: 2,", "first: 1700000002,"),
+                     ("last: 2.2", "last: 1700000002.3"), ("from: 1.9", "from: 1700000001.9")):  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "far.yaml").write_text(text)
+    far = load(tmp_path / "far.yaml", "far.yaml")
+    recording = scenarios.load(SHIPPED.parent / "cut_in.tmrec.jsonl")
+    cycles = tuple(replace(each, t=each.t + 1.7e9) for each in recording.cycles)
+    bench = Bench(
+        replace(recording, cycles=cycles),
+        Evaluator(load_spec([SHIPPED.parents[1] / "supervisor"]), ["speed_limit"]),
+    )
+    outcome = bench.run(far, far.faults[0])
+    assert (outcome.by, outcome.first, outcome.since) == (
+        ("starts_elsewhere",),
+        1700000002.0,
+        pytest.approx(1700000001.9, abs=1e-6),
+    )
+    assert outcome.wrong.endswith("safe at 1700000002.3 s; expected unsafe from 1700000002 to 1700000002.3 s")
+
+
 def test_who_is_slow_takes_the_next_cycle_when_it_is_done(campaign: Campaign, bench: Bench) -> None:
     """The next cycle waits: a clock that would have to go back is another fault than the one that is put in."""
     slow = change(document.read(b"{judge: slow, delay: 0.25}", "f.yaml"))

@@ -26,6 +26,7 @@ from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
 from trackmarshal.supervision import limits_with, rulebox
+from trackmarshal.units import moment as stamp
 
 #: Stamps are sums of steps; this is far less than a step, s.
 _SLACK = 1e-6
@@ -120,7 +121,9 @@ class Bench:
                             idle.discard(number)
                     disturbed = disturbed or moment != Moment.of(cycle)  # of changes, one may undo another
                 except (KeyError, IndexError, TypeError, ValueError, ZeroDivisionError) as error:
-                    message = f"the fault `{fault.id}` changes what is not there at {cycle.t:g} s ({error})"
+                    message = (
+                        f"the fault `{fault.id}` changes what is not there at {stamp(cycle.t)} s ({error})"
+                    )
                     raise TrackmarshalError(
                         "D153",
                         message,
@@ -215,10 +218,10 @@ def _differences(
         return (
             []
             if found.first is None
-            else [f"unsafe at {found.first:g} s by {', '.join(found.by)}, not at all expected"]
+            else [f"unsafe at {stamp(found.first)} s by {', '.join(found.by)}, not at all expected"]
         )
     if found.first is None:
-        return [f"nothing was found; expected {expected.by} at {expected.first:g} s"]
+        return [f"nothing was found; expected {expected.by} at {stamp(expected.first)} s"]
     wrong = []
     decision = next(decision for _, decision in said if not decision.safe)
     if expected.by not in found.by:
@@ -247,15 +250,15 @@ def _stretch(expected: Expected, said: list[tuple[float, Decision]]) -> list[str
     for t, decision in said:
         inside = expected.first - _SLACK <= t <= expected.last + _SLACK
         if decision.safe == inside:
-            wrong.append(f"{'safe' if decision.safe else 'unsafe'} at {t:g} s")
+            wrong.append(f"{'safe' if decision.safe else 'unsafe'} at {stamp(t)} s")
     if len(wrong) > 3:
         wrong[3:] = [f"and {len(wrong) - 3} more cycles"]
     # Of a time at which nothing was decided, as after the end of the recording, nothing is known.
     for end in dict.fromkeys((expected.first, expected.last)):
         if not any(_equal(t, end) for t, _ in said):
-            wrong.append(f"nothing was decided at {end:g} s")
+            wrong.append(f"nothing was decided at {stamp(end)} s")
     return (
-        [f"{', '.join(wrong)}; expected unsafe from {expected.first:g} to {expected.last:g} s"]
+        [f"{', '.join(wrong)}; expected unsafe from {stamp(expected.first)} to {stamp(expected.last)} s"]
         if wrong
         else []
     )
@@ -266,11 +269,11 @@ def _equal(one: float | None, other: float) -> bool:
 
 
 def _driven(what: str, since: float | None) -> str:
-    return what if since is None else f"{what} from {since:g} s"
+    return what if since is None else f"{what} from {stamp(since)} s"
 
 
 def _lost(what: str, at: float | None) -> str:
-    return "kept" if at is None else f"{what} at {at:g} s"
+    return "kept" if at is None else f"{what} at {stamp(at)} s"
 
 
 def _summary(decision: Decision) -> tuple[object, ...]:

@@ -13,9 +13,12 @@ from trackmarshal.scenarios.faults.changes import Change, change
 from trackmarshal.scenarios.generate import document
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.replay import ACTIONS
+from trackmarshal.units import moment
 
 #: Why nothing stored is driven, by name.
 LOSSES = tuple(name for name, code in FAULTS.items() if code.startswith("D24"))
+#: s: up to here, doubles tell stamps apart to a microsecond; those of Unix are at 1.8e9.
+_FARTHEST = 4e9
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,10 +92,10 @@ def _fault(item: Item) -> Fault:
         changes: tuple[Change, ...] = ()
     else:
         fields = item.fields((*named, "begin", "end", "change", "expect"))
-        begin, end = fields["begin"].number(0.0), fields["end"].number(0.0)
+        begin, end = _time(fields["begin"]), _time(fields["end"])
         if end < begin:
             raise item.wrong(
-                f"it ends at {end:g} s, before it begins", "begin is the first cycle, end the last"
+                f"it ends at {moment(end)} s, before it begins", "begin is the first cycle, end the last"
             )
         changes = tuple(change(each) for each in fields["change"].items())
         expected = _expected(fields["expect"])
@@ -114,8 +117,8 @@ def _expected(item: Item) -> Expected | None:
         return None
     fields = item.fields(("by", "first", "last", "driven"), ("from", "lost", "lost_at"))
     driven = fields["driven"].choice(ACTIONS[1:])
-    since = fields["from"].number() if "from" in fields else None
-    lost_at = fields["lost_at"].number() if "lost_at" in fields else None
+    since = _time(fields["from"]) if "from" in fields else None
+    lost_at = _time(fields["lost_at"]) if "lost_at" in fields else None
     if (since is None) != (driven == ACTIONS[2]):
         raise item.wrong(
             "`from` says which cycle's trajectory is driven", f"give it, but not with {ACTIONS[2]}"
@@ -123,8 +126,13 @@ def _expected(item: Item) -> Expected | None:
     if (lost_at is None) != ("lost" not in fields):
         raise item.wrong("`lost` and `lost_at` belong together", "give both or none")
     lost = fields["lost"].choice(LOSSES) if "lost" in fields else ""
-    first, last = fields["first"].number(), fields["last"].number()
+    first, last = _time(fields["first"]), _time(fields["last"])
     return Expected(fields["by"].text(), first, last, driven, since, lost, lost_at)
+
+
+def _time(item: Item) -> float:
+    """The stamp of a cycle [s]: recordings count from wherever the car's clock does."""
+    return item.number(-_FARTHEST, _FARTHEST)
 
 
 def _hash(plain: object) -> str:
