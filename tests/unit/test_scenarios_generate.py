@@ -23,7 +23,8 @@ from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.generate import __main__ as command
 from trackmarshal.scenarios.generate import generate, road
 from trackmarshal.scenarios.generate import run as generating
-from trackmarshal.scenarios.generate.motion import Profile
+from trackmarshal.scenarios.generate.candidates import Braking, emergency
+from trackmarshal.scenarios.generate.motion import Motion, Profile
 from trackmarshal.scenarios.recording import Recording
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -440,6 +441,7 @@ def test_what_a_car_under_test_or_another_one_does_not_have_is_refused(
     assert (caught.value.code, caught.value.line) == ("D151", line)
 
 
+LANE = "format: trackmarshal-track\nversion: 1\nname: lane\nwidth: 12\npieces: [{line: {length: 300}}]\n"
 #: A circuit of 160 m: two straights of 40 m and two bends.
 CIRCUIT = """format: trackmarshal-track
 version: 1
@@ -485,6 +487,28 @@ def test_a_car_that_is_reported_where_it_is_not_is_unsafe(
     (tmp_path / "scene.yaml").write_text(text)
     (tmp_path / "track.yaml").write_text(CIRCUIT)
     assert generate(tmp_path / "scene.yaml").ground_truth["static"] == (truth,) * 2
+
+
+def test_drag_helps_to_brake(tmp_path: Path) -> None:
+    """At 20 m/s, 0.01 / m of it brake with 4 m/s^2 beside the 5 m/s^2 of the tyres; at rest, with nothing."""
+    (tmp_path / "track.yaml").write_text(LANE)
+    lane = road.load(tmp_path / "track.yaml", "track.yaml")
+    motion = Motion(lane, Profile(20.0, [[0.0, 0.0]]), [], (0.0, 0.0), 8.0)
+    braked = emergency(motion, 0.0, Braking(50, 30.0, 5.0, 0.01), lambda way: 0.0).columns
+    assert (braked["a"][0], braked["a"][-1]) == (pytest.approx(-9.0), pytest.approx(-5.0, abs=0.01))
+
+
+def test_a_car_that_has_left_where_it_was_last_heard_of_is_unsafe(tmp_path: Path) -> None:
+    """It is 4.7 m long, and 2 m further in each cycle: while it overlaps its place that is free, and it is safe once it is heard of again."""
+    text = "".join([
+        "format: trackmarshal-scenario\nversion: 1\nname: silence\ntrack: track.yaml\nduration: 1.2\nstep: 0.2\n", VEHICLE,
+        "ego: {start: {s: 5, d: 0, v: 5}}\nothers: [{id: blue, start: {s: 100, d: 0, v: 10}, silent: [[0, 1.1]]}]\n",
+        "plan: {points: 16, horizon: 2}\nemergency: {points: 10, deceleration: 5, grip_share: 0.95}\n",
+    ])  # fmt: skip
+    (tmp_path / "scene.yaml").write_text(text)
+    (tmp_path / "track.yaml").write_text(LANE)
+    truth = generate(tmp_path / "scene.yaml").ground_truth["dynamic"]
+    assert truth == (True, None, None, False, False, False, True)
 
 
 def test_a_plan_that_rolls_back_is_unsafe(tmp_path: Path) -> None:
