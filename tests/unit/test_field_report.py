@@ -140,6 +140,25 @@ def test_a_way_back_is_driven_too(tmp_path: Path) -> None:
     assert rate.per_km == pytest.approx(rate.firings / made.km)
 
 
+def test_a_log_as_it_is_leads_back_where_the_car_reverses(tmp_path: Path) -> None:
+    """A way that went on growing would be braked ahead, on a path that lies behind."""
+    t = np.arange(300) / 10.0
+    log = {
+        "time": t,
+        "x": 0.0 * t,
+        "y": 300.0 - 5.0 * t,
+        "heading": 0.0 * t + np.pi / 2,
+        "v": 0.0 * t - 5.0,
+        "yaw": 0.0 * t,
+    }
+    where, file = field_logs.write(tmp_path, log)
+    drive = build(mapping.read(where), file, raw=True)
+    assert drive.motion.s[-1] == pytest.approx(-5.0 * t[-1])
+    braked = drive.recording.cycles[0].candidates["emergency"]
+    assert (braked["v"][0], braked["v"][-1]) == (-5.0, 0.0)
+    assert braked["y"][-1] < braked["y"][0]
+
+
 def test_a_gap_of_the_map_is_shown_and_declared(tmp_path: Path) -> None:
     """The road begins at y = 60 m, which the car reaches after 14 s. Declared is the gap until 12 s: what is left is real."""
     gap = "gaps: [{from: 0, to: 12, because: a start that nobody surveyed}]\n"
