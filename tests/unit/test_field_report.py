@@ -190,6 +190,16 @@ def test_a_declared_gap_excuses_nothing_where_the_car_was_on_the_map(tmp_path: P
     assert {one.cause for one in found} == {"map gap"}
 
 
+def test_a_declared_gap_excuses_nothing_before_the_plans_that_lead_into_it(tmp_path: Path) -> None:
+    """Two pinches of the road, at 20 m and at 200 m: the gap is at the second one."""
+    where, file = drive_of(tmp_path, "gaps: [{from: 15, to: 29, because: not surveyed}]\n")
+    pinches = [(-0.9, y) for y in (20, 21)], [(-0.9, y) for y in (200, 201)]
+    left = [(-10, -50), (-10, 20), *pinches[0], (-10, 21), (-10, 200), *pinches[1], (-10, 201), (-10, 400)]
+    (tmp_path / "left.csv").write_text("".join(f"{x},{y}\n" for x, y in left), encoding="utf-8")
+    found = [one for one in firings(*judged(where, file, ["static_collision"]))]
+    assert [(one.cause, one.begin < 11.0) for one in found] == [("real", True), ("map gap", False)]
+
+
 def test_a_person_may_put_it_down_to_a_rule(tmp_path: Path) -> None:
     word = "findings: [{rule: speed_limit, from: 0, to: 18, cause: rule, because: no limit on this day}]\n"
     where, file = drive_of(tmp_path, word)
