@@ -196,7 +196,7 @@ def test_a_declared_gap_excuses_nothing_before_the_plans_that_lead_into_it(tmp_p
     pinches = [(-0.9, y) for y in (20, 21)], [(-0.9, y) for y in (200, 201)]
     left = [(-10, -50), (-10, 20), *pinches[0], (-10, 21), (-10, 200), *pinches[1], (-10, 201), (-10, 400)]
     (tmp_path / "left.csv").write_text("".join(f"{x},{y}\n" for x, y in left), encoding="utf-8")
-    found = [one for one in firings(*judged(where, file, ["static_collision"]))]
+    found = firings(*judged(where, file, ["static_collision"]))
     assert [(one.cause, one.begin < 11.0) for one in found] == [("real", True), ("map gap", False)]
 
 

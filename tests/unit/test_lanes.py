@@ -337,3 +337,23 @@ def test_importing_costs_nothing() -> None:
     program = "import sys, trackmarshal.lanes.codes; print('numpy' in sys.modules); from trackmarshal.lanes import cycle; print(callable(cycle))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "False\nTrue\n"
+
+
+def test_both_bounds_of_a_successor_begin_where_the_lanelet_ends() -> None:
+    ahead = Lanelet(2, [(100.0, 2.0), (200.0, 2.0)], [(100.0, -3.0), (200.0, -3.0)])
+    behind = Lanelet(1, [(0.0, 2.0), (100.0, 2.0)], [(0.0, -2.0), (100.0, -2.0)], successors=(2,))
+    assert "begins 1 m from where it ends" in refused(behind, ahead).message
+
+
+def test_bounds_lead_the_same_way_as_a_whole() -> None:
+    """Of each pair of pieces, neither leads against the other; the left bound goes up by 10 m, the right one down by 5 m."""
+    bent = Lanelet(1, [(0.0, 0.0), (1.0, 0.0), (1.0, 10.0)], [(0.0, -2.0), (0.0, -7.0), (5.0, -7.0)])
+    assert "the bounds lead opposite ways" in refused(bent).message
+
+
+def test_a_size_that_a_short_float_has_rounded_is_none() -> None:
+    road = Network([Lanelet(1, [(0.0, 9.0), (100.0, 9.0)], [(0.0, 0.0), (100.0, 0.0)])])
+    long = replace(CAR, length=np.float16(40.0))
+    with pytest.raises(TrackmarshalError, match="vehicle 1: ") as caught:
+        cycle(road, 0.0, 1, [long])
+    assert caught.value.code == "D187"

@@ -23,7 +23,7 @@ from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.generate import generate
 from trackmarshal.scenarios.generate.document import read
 from trackmarshal.scenarios.generate.given import given as read_given
-from trackmarshal.scenarios.labels import Label, judged_by, label
+from trackmarshal.scenarios.labels import Label, judged_by, kind_of, label
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
 
@@ -308,6 +308,15 @@ def test_rules_that_are_judged_by_a_kind_leave_others_to_none() -> None:
     spec = load(["town.spec"])
     judges = {rule.name: judged_by(rule, spec, made) for rule in spec.rules if rule.formula is not None}
     assert judges == {"slow_under_yellow": (), "apart": (), "no_rush": ("static",)}
+
+
+def test_a_rule_about_what_stands_is_of_the_road() -> None:
+    """Sets whose elements have no speed are no other vehicles: the ground truth of these says nothing of them."""
+    text = SPEC + '\nrule clear "Clear"\n  for all o in obstacles\n  require o.width <= 3 m\n'
+    Path("standing.spec").write_text(text.replace("module town", "module standing"))
+    spec = load(["standing.spec"])
+    kinds = {rule.name: kind_of(rule, spec) for rule in spec.rules if rule.name in ("clear", "apart")}
+    assert kinds == {"clear": "static", "apart": "dynamic"}
 
 
 def test_a_cycle_that_the_door_refuses_is_not_safe() -> None:

@@ -276,3 +276,28 @@ def test_emergency_trajectories_of_a_real_planner_end_sooner() -> None:
             longest[place] = max(longest[place], trajectory["t"][-1] - trajectory["t"][-2])
     assert longest[0] > 10.0
     assert longest[1] < 2.0
+
+
+def test_a_tail_that_is_cut_points_the_shorter_way_round() -> None:
+    """It brakes to rest between samples at pi - 0.01 and at -pi + 0.09: between them lies -pi, and not 0."""
+    plan = {
+        "s": [0.0, 2.5, 5.0, 7.5], "x": [0.0, -2.5, -5.0, -7.5], "y": [0.0] * 4, "v": [5.0, 2.0, 1.5, 0.0],
+        "heading": [math.pi - 0.02, math.pi - 0.01, 0.09 - math.pi, 0.2 - math.pi],
+    }  # fmt: skip
+    share = 2.0**2 / (5.0**2 - 2.0**2)  # of the next step: at 4.2 m/s^2, it stands 0.48 m further
+    made = tm.cut_at_rest(plan)
+    assert made["heading"][-1] == pytest.approx(-math.pi - 0.01 + 0.1 * share)
+
+
+def test_a_distance_that_goes_into_the_length_makes_no_sample_of_a_rounding() -> None:
+    length = 3 * 0.1  # a rounding more than 0.3
+    assert length / 0.1 > 3.0
+    column = {"t": [0.0, 1.0], "s": [0.0, length], "x": [0.0, length], "y": [0.0] * 2, "heading": [0.0] * 2}
+    made = tm.resample({**column, "v": [length] * 2}, spacing=0.1)
+    assert made["s"] == pytest.approx([0.0, 0.1, 0.2, 0.3])
+
+
+def test_true_is_no_length() -> None:
+    with pytest.raises(tm.TrackmarshalError, match=r"`x\[0\]` is bool") as caught:
+        tm.arc_length([True, 2.0], [0.0, 0.0])
+    assert caught.value.code == "D191"
