@@ -457,6 +457,27 @@ def test_what_is_left_out_is_not_the_nearest_and_not_found(
     assert sentence == f"{said} x-coordinate of o is at least 5 m."
 
 
+@pytest.mark.parametrize("expand", [False, True])
+def test_a_variable_is_shown_as_nothing_else(expand: bool, tmp_path: Path) -> None:
+    """The rule does not see the parameter `d` that comes with what it calls: "x_d < d" was said of both."""
+    (tmp_path / "low.spec").write_text(
+        "module low\nshape there = { x: m }\nparam d : m = 3 m\npredicate close(o: there) = o.x < d\n",
+        "utf-8",
+    )
+    (tmp_path / "mid.spec").write_text(
+        "module mid\nuse low\nshape here = { x: m }\npredicate near(o: here) = close(o)\n", "utf-8"
+    )
+    head = "module made\nuse mid\nsignal objects : set of object { x: m, v: m/s }\n"
+    rule, spec = rule_of(tmp_path, 'rule r "r"\n  for all d in objects\n  require near(d)\n', head)
+    made = read(rule, spec, None, expand)
+    shown = [text(one.formula) for one in made.clauses] + [text(one.body) for one in made.definitions]
+    assert shown == (
+        ["∀ d ∈ objects", "x_d < low.d"]
+        if expand
+        else ["∀ d ∈ objects", "near(d)", "close(o)", "x_o < low.d"]
+    )
+
+
 def test_what_has_one_name_in_two_modules_is_told_apart_in_words(tmp_path: Path) -> None:
     """A rule sees one of both; the other one comes with what it calls, and "g" and "the gap of x" were said of both."""
     (tmp_path / "low.spec").write_text(

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from trackmarshal import typed
 from trackmarshal.reading.layout import Layout
 from trackmarshal.reading.names import Kind, Names
+from trackmarshal.reading.terminal import text
 
 
 class Scope:
@@ -53,7 +54,7 @@ class Scope:
     def binding(self, range_: typed.Range) -> Iterator[None]:
         """The variables of a range have names, while something below it is written."""
         before = len(self._bound)
-        for offset, name in enumerate(range_.names):
+        for offset, name in enumerate(map(self._unlike, range_.names)):
             while name in self._bound:
                 name += "′"
             self._variables[(range_, offset)] = name
@@ -63,9 +64,13 @@ class Scope:
 
     def keep(self, range_: typed.Range) -> None:
         """The variables of a clause, which are bound in all clauses below it."""
-        for offset, name in enumerate(range_.names):
+        for offset, name in enumerate(map(self._unlike, range_.names)):
             self._variables[(range_, offset)] = name
             self._bound.append(name)
+
+    def _unlike(self, name: str) -> str:
+        """The name of a variable, with a prime where something else is shown so, as a parameter of a module that the rule does not see."""
+        return f"{name}′" if text(self.local(name)).endswith("′") else name
 
     def let(self, name: str) -> Layout:
         """The name that a `let` gives."""
