@@ -57,6 +57,15 @@ def _shared(reached: Sequence[typed.Typed], spec: Spec) -> frozenset[str]:
         if symbol is not None:
             known = spec.params.get(symbol.qualified)
             things.setdefault(known.short if known else symbol.name, set()).add(symbol.qualified)
+        own = (
+            node.names
+            if isinstance(node, typed.Range)
+            else (node.name,)
+            if isinstance(node, typed.Let)
+            else ()
+        )
+        for name in own:  # has no other name, as what is declared has
+            things.setdefault(name, set()).add("")
     return frozenset(name for name, meant in things.items() if len(meant) > 1)
 
 
