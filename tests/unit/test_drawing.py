@@ -114,6 +114,32 @@ def test_a_letter_stands_well_inside() -> None:
     assert math.hypot(point[0] - 0.7, point[1] - 0.6) < 0.08
 
 
+@pytest.mark.parametrize(
+    ("declared", "limit", "shown"),
+    [("km in [0, 3]", "2 km", (0.0, 3.0)), ("m in [-1e9, 1e9]", "0.1 m", (-0.5, 0.5))],
+)
+def test_without_tests_and_recordings_a_picture_shows_the_declared_range(
+    declared: str, limit: str, shown: tuple[float, float]
+) -> None:
+    """The first half metre of three kilometres was drawn, all of it satisfied, with the limit far beyond."""
+    compiled = compile_text(
+        f'module m\nsignal ego : state {{ s: {declared} }}\nrule r "r"\n  require ego.s <= {limit}\n'
+    )
+    ((_, made),) = drawings([compiled.spec.rules[0]], compiled.spec, [], [])
+    (axis,) = made["axes"]
+    assert (axis["low"], axis["high"]) == shown
+    assert made["boundary"]
+
+
+def test_what_is_fixed_without_tests_and_recordings_is_in_its_declared_range() -> None:
+    compiled = compile_text(
+        "module m\nsignal ego : state { a: m in [0, 9], b: m in [0, 9], c: m in [5, 6] }\n"
+        'rule r "r"\n  require ego.a * ego.c <= 9 m * ego.b\n'
+    )
+    ((_, made),) = drawings([compiled.spec.rules[0]], compiled.spec, [], [], None, "a", "b")
+    assert made["fixed"] == [["ego.c", "5 m"]]
+
+
 @pytest.mark.parametrize(("op", "hides"), [("!=", True), ("==", True), ("<=", False)])
 def test_a_demand_that_numbers_are_the_same_is_too_thin_to_be_drawn(op: str, hides: bool) -> None:
     """`!=` was drawn as met all over, without a word, and is violated on a line."""

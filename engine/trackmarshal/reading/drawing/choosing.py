@@ -25,6 +25,8 @@ _SEEN = 0.05
 _WIDER, _TIMES = 1.6, 30
 #: By what a span is made smaller where it shows too little of what is thin.
 _NEARER = 0.6
+#: A declared range that is wider, in SI, says no more than that there are numbers in it.
+_WIDEST = 1e6
 #: Significant digits of what others are fixed at.
 _DIGITS = 3
 
@@ -75,7 +77,8 @@ def _typical(demand: Demand, number: int, one: Quantity, known: Known) -> float:
     if known.recorded is not None and known.recorded.codes.size:
         column = known.recorded.values[number]
     if not column.size:
-        return 0.0
+        low, high = limits(demand, one)
+        return min(max(0.0, low), high)
     # What is tiny beside its own span is none.
     middle, size = float(np.median(column)), float(np.abs(column).max())
     return float(f"{middle:.{_DIGITS}g}") + 0.0 if abs(middle) > 0.1**_DIGITS * size else 0.0
@@ -96,10 +99,12 @@ def limits(demand: Demand, one: Quantity) -> tuple[float, float]:
 
 def span(demand: Demand, number: int, known: Known) -> tuple[float, float]:
     """From where to where an input is shown, in SI."""
-    values = known.of(number)
+    values, to = known.of(number), limits(demand, demand.quantities[number])
+    if not values.size and 0.0 < to[1] - to[0] <= _WIDEST:
+        return to  # nothing is known but between which values it lies
     low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
     room = _ROOM * (high - low) if high > low else max(1.0, abs(high)) / 2.0
-    return clipped((low - room, high + room), limits(demand, demand.quantities[number]))
+    return clipped((low - room, high + room), to)
 
 
 def clipped(ends: tuple[float, float], to: tuple[float, float]) -> tuple[float, float]:
