@@ -161,6 +161,11 @@ def test_of_the_design_sections_alone_count(tmp_path: Path) -> None:
     assert about(tmp_path, "# Layout\n\n## S-1\n\nAs in S-2.\n\n- DE-2: tbd\n", "section")
     assert not about(tmp_path, "# Layout\n\nS-1 is not yet measured.\n\n## S-1\n\nA timer.\n", "section")
     assert not about(tmp_path, "# Layout\n\n## S-2\n\nThis has yet to be written.\n", "section")
+    # Below a heading of another one that stands in it, what names it; and nothing behind its end.
+    beside = "## S-1\n\nA timer.\n\n### With S-2\n\n"
+    assert about(tmp_path, f"{beside}S-1 is not yet measured.\n", "section")
+    assert not about(tmp_path, f"{beside}Not yet measured.\n", "section")
+    assert not about(tmp_path, "## S-1\n\nA timer.\n\n## S-2\n\nS-1 is not yet measured.\n", "section")
 
 
 def test_words_of_data_are_names(tmp_path: Path) -> None:
