@@ -547,6 +547,31 @@ def test_evidence_counts_at_its_stage_and_of_its_requirements_alone(
     assert status(small.matrix(), requirement, stage) == expected
 
 
+_XML = '<testsuite name="s"><testcase classname="s" name="another"/></testsuite>'
+
+
+@pytest.mark.parametrize(("method", "report", "there", "run", "level"), [
+    ("measurement", "", False, True, "error"), ("test", "", False, True, "error"),
+    ("test", ", if_there: true", False, True, "warning"), ("measurement", ", if_there: true", False, True, "error"),
+    ("measurement", ", if_there: true, methods: [measurement]", False, True, "warning"), ("measurement", ", if_there: true, methods: [test]", False, True, "error"),
+    ("measurement", ", if_there: true, methods: [measurement]", True, True, "error"), ("test", ", if_there: true", True, True, "error"),
+    ("measurement", ", methods: [measurement]", False, True, "error"),
+    ("scenario", "", True, True, "error"), ("scenario", "", True, False, "warning"), ("measurement", "", True, False, "error"),
+])  # fmt: skip
+def test_a_method_that_nothing_answers_waits_for_what_may_answer_it_alone(
+    method: str, report: str, there: bool, run: bool, level: str, tmp_path: Path
+) -> None:
+    """A report that is not there excuses as long as it may be missing, and is of the kind; a scenario as long as it was not run."""
+    small = Small.copy(tmp_path)
+    small.replace("requirements/criteria.yaml", "verification: [review]", f"verification: [{method}]")
+    small.replace("requirements/v-model.yaml", "stages:\n", f"  junit:\n    - {{path: out/r.xml, stage: S-3-B{report}}}\nstages:\n")  # fmt: skip
+    if there:
+        (small.root / "out").mkdir()
+        (small.root / "out" / "r.xml").write_text(_XML, "utf-8")
+    matrix = build(small, **({} if run else {"runs": []}))
+    assert [f.level for f in matrix.findings if f.subject == f"S-1-B-1:{method}"] == [level]
+
+
 _BELOW = """document: requirements
 title: Paint
 requirements:
