@@ -572,6 +572,25 @@ def test_a_method_that_nothing_answers_waits_for_what_may_answer_it_alone(
     assert [f.level for f in matrix.findings if f.subject == f"S-1-B-1:{method}"] == [level]
 
 
+_VERIFIES = '<properties><property name="verifies" value="S-1-B-1"/></properties>'
+
+
+@pytest.mark.parametrize(("report", "said", "answered"), [
+    (", methods: [measurement]", _VERIFIES, True), ("", _VERIFIES, False), (", methods: [analysis]", _VERIFIES, False),
+    (", methods: [measurement]", f"{_VERIFIES}<skipped/>", False), (", methods: [measurement]", "", False),
+    (", methods: [measurement]", _VERIFIES.replace("S-1-B-1", "RR-1"), False), (", methods: [measurement]", f"{_VERIFIES}<failure/>", True),
+])  # fmt: skip
+def test_a_report_answers_the_methods_that_it_names_of_what_its_tests_verify(
+    report: str, said: str, answered: bool, tmp_path: Path
+) -> None:
+    """Whether they passed, cells say."""
+    small = Small.copy(tmp_path)
+    small.replace("requirements/criteria.yaml", "verification: [review]", "verification: [measurement]")
+    small.replace("requirements/v-model.yaml", "stages:\n", f"  junit:\n    - {{path: r.xml, stage: S-3-B{report}}}\nstages:\n")  # fmt: skip
+    (small.root / "r.xml").write_text(f'<testsuite name="s"><testcase classname="s" name="t">{said}</testcase></testsuite>')  # fmt: skip
+    assert [f.level for f in small.matrix().findings if f.code == "T255"] == ["error"] * (not answered)
+
+
 _BELOW = """document: requirements
 title: Paint
 requirements:
