@@ -5,6 +5,7 @@ An installed package has them as its folder `specs`; a checkout has them where t
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -15,3 +16,11 @@ _CHECKOUT = _PACKAGE.parents[1] / "specs"
 LIBRARY = _INSTALLED if _INSTALLED.is_dir() else _CHECKOUT
 #: Whether it came with the package, and so is nobody's project, wherever that is installed.
 INSTALLED = LIBRARY is _INSTALLED
+
+#: The modules of the library that are values, of a vehicle or of a track; `vehicles.spec` is a file.
+_VALUES = re.compile(r"(?:vehicles|tracks)\.(?!spec$)[a-z]\w*")
+
+
+def shipped_values(name: str) -> Path | None:
+    """Where a shipped vehicle or track is, by its module (`vehicles.devbot`), if there is one of that name; None for what is no such name."""
+    return LIBRARY / f"{name.replace('.', '/')}.spec" if _VALUES.fullmatch(name) else None

@@ -105,6 +105,24 @@ def drive_of(folder: Path, more: str = "", **columns: Any) -> tuple[Path, Path]:
     return field_logs.write(folder, log, field_logs.MAP.replace("rate: 10}", "rate: 5}") + more)
 
 
+def test_a_mapping_names_a_shipped_vehicle_by_its_module(tmp_path: Path) -> None:
+    """A project that was made with the package has no path of it. What comes with the engine is none of the files that a kept run is made of."""
+    where, log = drive_of(tmp_path)
+    file = mapping.read(where)
+    by_path = build(file, log)
+    by_name = build(replace(file, vehicle="vehicles.av21"), log)
+    assert by_name.recording.cycles == by_path.recording.cycles
+    assert (by_path.recording.use[0], by_name.recording.use[0]) == (
+        "specs/vehicles/av21.spec",
+        "vehicles.av21",
+    )
+    left_out = by_path.sources.keys() - by_name.sources.keys()
+    assert [Path(path).name for path in left_out] == ["av21.spec"]
+    assert any("friction limit of vehicles.av21" in note for note in by_name.recording.notes)
+    with pytest.raises(TrackmarshalError, match=r"`vehicles\.none` is not there"):
+        build(replace(file, vehicle="vehicles.none"), log)
+
+
 def test_what_breaks_the_contract_in_many_cycles_is_one_firing(extract: tuple[Drive, Judgement]) -> None:
     """An input that the log does not have is missing in all of them: one firing, as of a rule. Another fault, or a cycle between, begins another one."""
     drive, found = extract

@@ -72,6 +72,20 @@ def test_a_recording_may_name_specs_of_its_project(name: str, verb: str, project
     assert (status, err) == (0, "")
 
 
+@pytest.mark.parametrize(
+    "name", ["vehicles.devbot", "vehicles.none", "supervisor.assumptions", "vehicles.spec"]
+)
+def test_a_recording_may_name_a_shipped_vehicle_by_its_module(name: str, project: Path) -> None:
+    """Also in a project that has only the package, and no path of it; no other module, and a file is a file."""
+    small = Path("specs/small.spec")
+    small.write_text(small.read_text().replace("param v_max : m/s = 100 m/s", "use vehicles.devbot"))
+    Path("vehicles.spec").write_text("module vehicles\nparam v_max : m/s = 1 m/s\n")
+    path = write("recordings/near/run.tmrec.jsonl", use=[name])
+    status, _, err = run_command("replay", path, "--spec", "specs/small.spec")
+    expected = {"vehicles.devbot": (0, ""), "vehicles.spec": (1, "")}.get(name, (2, "error[E432]"))
+    assert (status, err.partition(":")[0]) == expected
+
+
 @pytest.mark.parametrize("name", OUTSIDE)
 @pytest.mark.parametrize("verb", ["replay", "explain"])
 def test_a_recording_may_name_nothing_else(name: str, verb: str, project: Path) -> None:

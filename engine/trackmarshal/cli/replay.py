@@ -22,6 +22,7 @@ from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.library import shipped_values
 from trackmarshal.runtime.verdict import decides
 from trackmarshal.units import beside, moment
 
@@ -37,11 +38,11 @@ if TYPE_CHECKING:
 _ABSENT = re.compile(r"D211 (\w+): it is not there")
 
 CODES = {
-    "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder."),
+    "E431": ("a configuration that a recording names is not there", "A recording's `use` names configuration modules (a vehicle, a track) by their path from the project, or from the recording's own folder, or a shipped one by its module, `vehicles.devbot`."),
     "E432": (
         "a recording names what is not its to name",
         "Recordings come from elsewhere, so what they name is not simply opened: `use` holds relative paths of .spec files inside the project "
-        "(without a project: inside the recording's folder), whatever links lie on the way, and nothing else.",
+        "(without a project: inside the recording's folder), whatever links lie on the way, and modules of shipped vehicles and tracks, and nothing else.",
     ),
     "E433": (
         "a name that is no file name",
@@ -284,7 +285,10 @@ def configuration(recording: Recording, project: Path | None, folder: Path | Non
 
 
 def _setting(name: str, recording: Recording, near: Path, project: Path | None) -> Path:
-    """The configuration that a recording names: a spec of its project, or of the project at hand; raises E431 and E432."""
+    """The configuration that a recording names: a spec of its project, or of the project at hand, or a shipped one; raises E431 and E432."""
+    shipped = shipped_values(name)
+    if shipped is not None and shipped.is_file():
+        return shipped
     roots = [os.path.realpath(root) for root in (project, project_of(near) or near) if root is not None]
     folders = [] if PurePath(name).is_absolute() or "\0" in name else [near, project]
     places = [Path(os.path.realpath(folder / name)) for folder in folders if folder is not None]

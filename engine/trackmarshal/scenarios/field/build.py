@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import digest
+from trackmarshal.library import shipped_values
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import candidates, smoother
@@ -209,7 +210,10 @@ def _braking(mapping: Mapping) -> Braking:
 
 
 def spec_of(mapping: Mapping, name: str) -> Path:
-    """A spec that the mapping names, from its folder or one above it, as the project's; raises D178."""
+    """A spec that the mapping names, from its folder or one above it, as the project's, or a shipped one by its module; raises D178."""
+    shipped = shipped_values(name)
+    if shipped is not None and shipped.is_file():
+        return shipped
     folder = mapping.folder.absolute()
     for place in (folder, *folder.parents):
         if (place / name).is_file():
@@ -219,7 +223,7 @@ def spec_of(mapping: Mapping, name: str) -> Path:
         "D178",
         message,
         file=mapping.source,
-        help="its path is from the mapping's folder, or from one above it",
+        help="its path is from the mapping's folder, or from one above it; a shipped one has its module, `vehicles.devbot`",
     )
 
 
@@ -236,7 +240,7 @@ def _notes(mapping: Mapping, log: Log, noise: Noise, motion: Motion, name: str, 
         *([f"of the log, {log.left_out}"] if log.left_out else []),
         f"{count} cycles at {rate}; the driving trajectory is what was driven in the next {mapping.horizon:g} s, "
         f"a sample every {mapping.step:g} s",
-        f"the emergency trajectory brakes to rest on the same path with {100 * mapping.share:g} % of the friction limit of {Path(mapping.vehicle).stem}",
+        f"the emergency trajectory brakes to rest on the same path with {100 * mapping.share:g} % of the friction limit of {PurePath(mapping.vehicle).name.removesuffix('.spec')}",
         f"smoother: {name or 'none'}" + (f"; noise: {noisy}; mean squared innovations: {fits}" if name else ""),
         f"the car is where the log says, noise and all; it is taken to stand for {standing_time(motion):.1f} s",
     ]  # fmt: skip
@@ -249,6 +253,9 @@ def standing_time(motion: Motion) -> float:
 
 def _sources(mapping: Mapping, log: Log) -> dict[str, str]:
     files = [mapping.path, *(logs.find(mapping, border.file) for border in mapping.track)]
-    files += [spec_of(mapping, name) for name in (mapping.vehicle, *mapping.use)]
+    # What is shipped comes with the engine, and lies elsewhere on each machine.
+    files += [
+        spec_of(mapping, name) for name in (mapping.vehicle, *mapping.use) if shipped_values(name) is None
+    ]
     found = {log.path: log.sha256}
     return found | {str(path): digest(content.read(path, str(path))) for path in files}

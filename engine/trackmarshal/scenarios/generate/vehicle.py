@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
-from trackmarshal.library import LIBRARY
+from trackmarshal.library import shipped_values
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.generate import document, road
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.generate.limits import Vehicle
 
 _NEEDED = ("length", "width", "turn_radius", "brake", "grip", "drive")
-#: A shipped vehicle, by its module.
-_SHIPPED = re.compile(r"vehicles\.[a-z]\w*")
 _OF_A_SPEC = ("length", "width", "R_min", "b_max", "mu", "g", "drag", "mass", "drive_factor")
 
 
@@ -27,8 +24,9 @@ def vehicle(item: Item, folder: Path) -> Vehicle:
     if item.is_map():
         return _of_fields(item.fields(_NEEDED, ("params", "tables")))
     name = item.text()
-    if _SHIPPED.fullmatch(name):
-        return _of_spec(item, name, LIBRARY / f"{name.replace('.', '/')}.spec")
+    shipped = shipped_values(name)
+    if shipped is not None:
+        return _of_spec(item, name, shipped)
     # What comes from elsewhere does not choose any file to be opened and quoted in a message.
     if Path(name).is_absolute() or Path(name).suffix not in (".yaml", ".yml", ".spec") or "\0" in name:
         raise item.wrong(
