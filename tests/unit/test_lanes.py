@@ -357,3 +357,11 @@ def test_a_size_that_a_short_float_has_rounded_is_none() -> None:
     with pytest.raises(TrackmarshalError, match="vehicle 1: ") as caught:
         cycle(road, 0.0, 1, [long])
     assert caught.value.code == "D187"
+
+
+def test_nobody_is_its_own_neighbour_or_one_on_both_sides() -> None:
+    """Each names the other, and so both were taken."""
+    own = Lanelet(1, [(0.0, 2.0), (9.0, 2.0)], [(0.0, -2.0), (9.0, -2.0)])
+    other = Lanelet(2, [(0.0, 6.0), (9.0, 6.0)], [(0.0, 2.0), (9.0, 2.0)], beside_left=1, beside_right=1)
+    assert "has itself on its left" in refused(replace(own, beside_left=1, along_left=False)).message
+    assert "has 2 on both sides" in refused(replace(own, beside_left=2, beside_right=2), other).message

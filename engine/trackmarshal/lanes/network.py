@@ -92,6 +92,12 @@ class Network:
                     f"lanelet {lanelet.number} has {number} on its {side}, which the map does not have",
                     "add it, or say None",
                 )
+            if number == lanelet.number or lanelet.beside_left == lanelet.beside_right:
+                raise self._unfit(
+                    f"lanelet {lanelet.number} has {'itself' if number == lanelet.number else number} on "
+                    f"{'its ' + side if number == lanelet.number else 'both sides'}",
+                    "name the lanelet that lies there, or say None",
+                )
             if (side == "left") == along:
                 back, same = other.beside_right, other.along_right
             else:
