@@ -402,6 +402,25 @@ def test_the_last_review_of_the_present_version_counts(
     assert reviewed(graph, read) == (stands and state == "covers")
 
 
+_OWNED = """document: link-schema
+title: Who answers for what
+nodes: [{kind: requirement, needs: [{any_of: [{field: owner}], ids: [S-1-B-1], from_asil: %s}]}]
+"""
+
+
+@pytest.mark.parametrize(("own", "from_asil", "asked"), [
+    ("QM", "QM", True), ("QM", "A", False), ("A", "B", False), ("B", "B", True), ("C", "B", True), ("D", "D", True), ("B(D)", "B", True), ("A(D)", "B", False),
+])  # fmt: skip
+def test_a_need_is_asked_from_a_level_on(own: str, from_asil: str, asked: bool, tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    (small.root / "requirements" / "links.yaml").write_text(_OWNED % from_asil, "utf-8")
+    text = "status: %s\n    asil: %s\n    verification: [review]"
+    small.replace("requirements/criteria.yaml", text % ("approved", "D"), text % ("approved", own))
+    assert [f.subject for f in small.matrix().findings if f.code == "T150"] == ["S-1-B-1"] * asked
+    small.replace("requirements/criteria.yaml", text % ("approved", own), text % ("obsolete", own))
+    assert [f.subject for f in small.matrix().findings if f.code == "T150"] == []
+
+
 @pytest.mark.parametrize(("ids", "from_asil", "expected"), [
     ((), "", ["R-A", "R-BD", "R-C", "R-QM", "R-none"]), ((), "QM", ["R-A", "R-BD", "R-C", "R-QM"]), ((), "A", ["R-A", "R-BD", "R-C"]),
     ((), "B", ["R-BD", "R-C"]), ((), "C", ["R-C"]), ((), "D", []), (("R-A", "R-C"), "B", ["R-C"]), (("R-Q*",), "", ["R-QM"]), (("R-Q*",), "A", []),
