@@ -16,6 +16,9 @@ from trackmarshal.backends.c import build
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.semantics.compile import _Compiler
 
+# How long one example takes says how busy the machine is, and nothing of what is tested.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 settings.register_profile("daily", max_examples=12)
 if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
