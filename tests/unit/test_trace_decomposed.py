@@ -122,6 +122,13 @@ def test_parts_on_one_element_fail_together(shuttle: Path, level: str, wrong: bo
     assert findings(shuttle, "T162") == [said] * wrong
 
 
+@pytest.mark.parametrize(("level", "wrong"), [("B(C)", True), ("QM(C)", False)])
+def test_what_is_left_to_a_part_says_whether_advice_is_enough(shuttle: Path, level: str, wrong: bool) -> None:
+    edit(shuttle, NEEDS, "    asil: B(C)\n", f"    asil: {level}\n")
+    edit(shuttle, "specs/rules.spec", "  satisfies S-32\n", "  satisfies S-32\n  severity  advisory\n")
+    assert bool(findings(shuttle, "T219")) == wrong
+
+
 def test_parts_may_have_an_element_in_common_beside_their_own(shuttle: Path) -> None:
     edit(shuttle, DESIGN, "elements:\n", "elements:\n  - {id: DE-3, title: bus, asil: B(C), owner: P-1}\n")
     edit(shuttle, NEEDS, PLANNED, PLANNED.replace("[DE-2]", "[DE-2, DE-3]"))

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from trackmarshal.records import SpecItem
 from trackmarshal.trace.findings import Finding, error
+from trackmarshal.trace.graph.said import left_to
 from trackmarshal.trace.model import Project, Requirement
 from trackmarshal.trace.spec import Spec, item_place
 
@@ -37,7 +38,7 @@ def _assumption(item: SpecItem) -> Iterator[Finding]:
 
 def _decided(requirement: Requirement, spec: Spec) -> Iterator[Finding]:
     items = spec.by_requirement.get(requirement.id, [])
-    if requirement.asil not in ("", "QM") and items and all(item.severity == "advisory" for item in items):
+    if left_to(requirement.asil) and items and all(item.severity == "advisory" for item in items):
         said = "an advisory rule" if len(items) == 1 else "advisory rules"
         message = f"`{requirement.id}` has ASIL {requirement.asil}, and is covered by {said} alone"
         help_ = f"give `{items[0].name}` another severity, or write a rule that decides"

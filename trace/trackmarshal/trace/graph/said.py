@@ -23,7 +23,13 @@ def asil(node: Node) -> int | None: ...
 def asil(node: Node, otherwise: int) -> int: ...
 def asil(node: Node, otherwise: int | None = None) -> int | None:
     """The integrity level of a node, of a decomposed one what is left to it: QM 0 to D 4; `otherwise` where it has none."""
-    return LEVEL.get(node.attributes.get("asil", "").partition("(")[0], otherwise)
+    level = left_to(node.attributes.get("asil", ""))
+    return otherwise if level is None else level
 
 
-__all__ = ["LEVEL", "asil", "called"]
+def left_to(asil: str) -> int | None:
+    """What a level leaves to do, as it is written: QM 0 to D 4, of `QM(D)` 0; None of what is none."""
+    return LEVEL.get(asil.partition("(")[0])
+
+
+__all__ = ["LEVEL", "asil", "called", "left_to"]
