@@ -519,12 +519,19 @@ def test_an_engine_that_nobody_wrote_down_is_not_known(robot: Path) -> None:
 
 
 def test_the_engine_of_a_folder_of_sources(tmp_path: Path) -> None:
-    """Of what evaluates, and of nothing else: the command line and its words come to no results."""
+    """Of what evaluates, and of nothing else: the command line and its words come to no results, but for what writes down what a run came to."""
     there = shutil.copytree(HERE_OF_ENGINE, tmp_path / "trackmarshal", ignore=shutil.ignore_patterns("*.pyc"))
     assert tool_of(there) == tool()
     with (there / "cli" / "main.py").open("a", encoding="utf-8") as file:
         file.write("# nothing\n")
+    (there / "trace").mkdir()  # as it is installed
+    (there / "trace" / "matrix.py").write_text("# nothing\n")
     assert tool_of(there) == tool()
+    written = there / "cli" / "evidence.py"
+    before = written.read_bytes()
+    written.write_bytes(before + b"# nothing\n")
+    assert tool_of(there) != tool()
+    written.write_bytes(before)
     with (there / "node.py").open("a", encoding="utf-8") as file:
         file.write("# nothing\n")
     assert tool_of(there).rpartition(" ")[0] == tool().rpartition(" ")[0]

@@ -14,8 +14,10 @@ from trackmarshal import __version__
 
 #: The folder of the sources.
 HERE = Path(__file__).parent.parent
-#: What takes no part in what a rule, a test, a run comes to.
-_NO_PART = ("cli", "start", "process", "explaining", "meaning", "diagnostics")
+#: What takes no part in what a rule, a test, a run comes to. Of an installed program, `trace` lies beside what evaluates; of a checkout, elsewhere.
+_NO_PART = ("cli", "start", "process", "explaining", "meaning", "diagnostics", "trace")
+#: Of the command line, what does: what is written down of a run, and how it is run.
+_PART = {("cli", name) for name in ("campaigns.py", "evidence.py", "operating.py", "replay.py")}
 _KINDS = (".py", ".spec", ".lark", ".c", ".h", ".j2")
 
 
@@ -37,7 +39,10 @@ def tool_of(folder: Path) -> str:
 @cache
 def whole() -> str:
     """The hash of the sources of all of it, what reads projects included, and of numpy's version."""
-    return _sources(_own(HERE), ())
+    reading = find_spec("trackmarshal.trace")
+    folders = reading.submodule_search_locations if reading is not None else None
+    apart = [Path(folder) for folder in folders or () if not Path(folder).is_relative_to(HERE)]
+    return _sources([each for folder in (HERE, *apart) for each in _own(folder)], ())
 
 
 def _numpy() -> bytes:
@@ -51,7 +56,7 @@ def _numpy() -> bytes:
 def _sources(hashes: Iterable[tuple[tuple[str, ...], bytes]], without: tuple[str, ...]) -> str:
     digest = hashlib.sha256(_numpy())
     for parts, hashed in hashes:
-        if parts[0] not in without:
+        if parts[0] not in without or parts in _PART:
             digest.update("/".join(parts).encode() + b"\0" + hashed)
     return digest.hexdigest()
 
