@@ -353,7 +353,7 @@ def test_bounds_lead_the_same_way_as_a_whole() -> None:
 
 def test_a_size_that_a_short_float_has_rounded_is_none() -> None:
     road = Network([Lanelet(1, [(0.0, 9.0), (100.0, 9.0)], [(0.0, 0.0), (100.0, 0.0)])])
-    long = replace(CAR, length=np.float16(40.0))
+    long = replace(CAR, length=np.float16(40.0))  # type: ignore[arg-type]
     with pytest.raises(TrackmarshalError, match="vehicle 1: ") as caught:
         cycle(road, 0.0, 1, [long])
     assert caught.value.code == "D187"

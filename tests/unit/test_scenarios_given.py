@@ -350,7 +350,7 @@ def test_a_truth_about_what_is_in_no_cycle_is_refused(about: str, part: str) -> 
     """Nothing is ever against what is not there: the run was inside, and the rule was judged in every cycle."""
     made = scene()
     cycles = tuple(replace(one, candidates={"driving": one.candidates["driving"]}) for one in made.cycles)
-    truth = {f"rule {about}": (True,) * len(cycles)}
+    truth: dict[str, tuple[bool | None, ...]] = {f"rule {about}": (True,) * len(cycles)}
     made = replace(made, cycles=cycles, ground_truth=truth, judged={})
     with pytest.raises(TrackmarshalError, match=re.escape(part)) as caught:
         replay(made, Evaluator(load(["town.spec"])))

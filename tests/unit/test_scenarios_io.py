@@ -174,7 +174,7 @@ BAD_FIELDS = [
     ("1/extra", 0, "'extra' is not known"),
 ]
 #: the same for what a schema cannot say
-BAD_RELATIONS = [
+BAD_RELATIONS: list[tuple[str, Any, str]] = [
     ("0/tables/ax_max", [[4, 1], [0, 1]], "strictly increasing"),
     ("0/tables/ax_max", [[0, 1], [0, 2]], "strictly increasing"),
     ("0/because/R_min", " ", "the reason is empty"),

@@ -184,7 +184,7 @@ class Sentences(Phrases):
         return self.words.arithmetic[node.op].format(a=left, b=right)
 
     def _choice(self, node: typed.Choice) -> str:
-        parts = []
+        parts: list[str] = []
         last: typed.Number = node
         while isinstance(last, typed.Choice):
             value, condition = self.number(last.then, ADDED), self.formula(last.condition, TOGETHER)
