@@ -42,6 +42,26 @@ def test_noise_is_found_from_the_log_alone(seed: int) -> None:
     assert YAW * 0.9 < noise.yaw_rate < YAW * 2.0
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_gentle_bends_are_found_in_a_noisy_heading_alone(seed: int) -> None:
+    """At 50 Hz without a yaw rate, 0.9 m/s^2 to either side, every 15 s: from sample to sample the heading turns by noise, and every bend was
+    ironed out."""
+    t = np.arange(3000) / 50
+    v, rate = 26.0, 0.9 / 26.0 * np.sin(2 * np.pi * t / 15)
+    heading = np.cumsum(rate) / 50
+    columns = {
+        "time": t, "x": np.cumsum(v * np.cos(heading)) / 50, "y": np.cumsum(v * np.sin(heading)) / 50, "heading": heading,
+        "v": np.full_like(t, v), "yaw": rate,
+    }  # fmt: skip
+    log = replace(as_log(field_logs.noisy(columns, seed, PLACE, 0.002, SPEED, YAW)), yaw_rate=None)
+    noise = estimate(log)
+    assert noise is not None
+    motion = smoother.smooth(log, noise)
+    turned = np.angle(np.exp(1j * (motion.heading - heading)))
+    assert turned[50:-50].std() < 0.002
+    assert all(0.2 < value < 2.0 for value in motion.innovations.values())
+
+
 def test_too_little_motion_tells_no_noise() -> None:
     assert estimate(as_log(field_logs.straight(14.0))) is None
 

@@ -71,10 +71,8 @@ def estimate(log: Log) -> Noise | None:
     v = np.interp(times, log.t, log.v)
     lateral = v * np.interp(times, log.t, rate)
     fast = np.abs(v) > MOVING
-    twice = (v[2 * lag :] - 2 * v[lag:-lag] + v[: -2 * lag])[
-        fast[2 * lag :] & fast[lag:-lag] & fast[: -2 * lag]
-    ]
-    both = fast[lag:] & fast[:-lag]
+    thrice = fast[2 * lag :] & fast[lag:-lag] & fast[: -2 * lag]
+    twice = _twice(v, lag)[thrice]
     # the second difference of a doubly integrated white noise over T has the variance 2/3 q T^3; of noise, 6 r
     # What adds up over a second is no noise of positions but an offset of the speed, and of the heading.
     starts = np.arange(0, len(along) - lag, lag)
@@ -86,14 +84,27 @@ def estimate(log: Log) -> Noise | None:
     asides = np.array([across[part].sum() / (mean_v[part] * dt[part]).sum() for part in whole])
     heading_all = np.hypot(heading_noise, _offset(asides, place[1] / float(np.mean(np.abs(mean_v[moving])))))
     jerk = max(float(np.mean(twice**2)) - 6.0 * speed**2, 0.0) * 1.5 / _LONG**3
-    noise_of_lateral = float(np.mean(np.diff(lateral)[fast[1:] & fast[:-1]] ** 2))
-    change = float(np.mean((lateral[lag:] - lateral[:-lag])[both] ** 2))
-    lateral_jerk = max(change - noise_of_lateral, 0.0) / _LONG
+    if log.yaw_rate is None:
+        # From sample to sample, a heading turns mostly by its noise: in that, how fast a gentle bend begins would be lost.
+        ahead = v[lag:-lag][thrice]
+        change = float(np.mean((ahead * _twice(np.interp(times, log.t, heading), lag)[thrice]) ** 2))
+        noise_of_turns = 6.0 * float(np.mean(ahead**2)) * heading_noise**2
+        lateral_jerk = max(change - noise_of_turns, 0.0) * 1.5 / _LONG**3
+    else:
+        both = fast[lag:] & fast[:-lag]
+        noise_of_lateral = float(np.mean(np.diff(lateral)[fast[1:] & fast[:-1]] ** 2))
+        change = float(np.mean((lateral[lag:] - lateral[:-lag])[both] ** 2))
+        lateral_jerk = max(change - noise_of_lateral, 0.0) / _LONG
     turns = np.array([turned[part].sum() / dt[part].sum() for part in whole])
     yaw_rate = float(np.hypot(_deviation(np.diff(rate)[moving], 2.0), _offset(turns, heading_noise)))
     return Noise(
         *place, float(heading_all), float(speed_all), yaw_rate, float(np.sqrt(jerk)), float(np.sqrt(lateral_jerk))
     )  # fmt: skip
+
+
+def _twice(column: Floats, lag: int) -> Floats:
+    """Second differences over so many samples."""
+    return column[2 * lag :] - 2.0 * column[lag:-lag] + column[: -2 * lag]
 
 
 def _deviation(differences: Floats, share: float) -> float:
