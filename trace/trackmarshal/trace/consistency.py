@@ -262,7 +262,7 @@ def _unasked(project: Project) -> Iterator[Finding]:
     asked = {id_ for id_ in demanded if matches(id_, patterns)}
     todo = list(asked)
     while todo:
-        above = {str(up) for up in demanded[todo.pop()].refines} & demanded.keys() - asked
+        above = {up for up in map(str, demanded[todo.pop()].refines) if up in demanded and up not in asked}
         asked |= above
         todo += above
     for id_, requirement in demanded.items():
