@@ -390,6 +390,47 @@ def test_names_that_everybody_has_in_reqif_may_be_named() -> None:
     assert read(REQIF, "reqif", named) == read(REQIF, "reqif", DOOR)
 
 
+@pytest.mark.parametrize(
+    ("theirs", "title", "foreign"),
+    [
+        ("title", "Old", "ReqIF.Name"),
+        ("ReqIF.Name", "New", "title"),
+        ("ReqIF.Text", "It shall open.", "title"),
+    ],
+)
+def test_a_name_that_everybody_has_in_reqif_is_the_field_that_it_is_named_as(
+    theirs: str, title: str, foreign: str
+) -> None:
+    """Beside an attribute `title`, that was the title for who had named `ReqIF.Name`; and as another field than its own, a name was said not to be there."""
+    defined = re.findall(r"<ATTRIBUTE-DEFINITION-STRING .*</ATTRIBUTE-DEFINITION-STRING>", REQIF)[0]
+    given = re.findall(r"<ATTRIBUTE-VALUE-STRING .*</ATTRIBUTE-VALUE-STRING>", REQIF)[0]
+    text = REQIF
+    for key, name, word in (("a1", "title", "Old"), ("a2", "ReqIF.Name", "New")):
+        text = text.replace(
+            defined, defined + defined.replace('"ai"', f'"{key}"').replace("ReqIF.ForeignID", name)
+        )
+        text = text.replace(given, given + given.replace(">ai<", f">{key}<").replace("AB-1", word))
+    naming = Naming({"title": theirs}, {**DOOR.defaults, "statement": "It shall."})
+    one = read(text, "reqif", naming)[0][0].requirements[1]
+    assert one["title"].startswith(title)
+    assert one["foreign"][foreign] == {"title": "Old", "ReqIF.Name": "New"}[foreign]
+
+
+def test_names_that_sphinx_needs_has_may_be_named() -> None:
+    """As the page has them: no need was said to have a statement."""
+    for name in ("content", "description"):
+        needs = {"AB-1": {"id": "AB-1", "title": "A", name: "It shall open.", "docname": "doors"}}
+        data = json.dumps({"current_version": "1", "versions": {"1": {"needs": needs}}})
+        named = Naming({"statement": name}, NAMING.defaults)
+        assert read(data, "needs", named) == read(data, "needs", OURS)
+        documents, found = read(data, "needs", Naming({"title": name, "statement": "title"}, NAMING.defaults))
+        assert found == []
+        assert (documents[0].requirements[0]["title"], documents[0].requirements[0]["statement"]) == (
+            "It shall open.",
+            "A",
+        )
+
+
 def test_a_column_is_one_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of two that it was to be, the second was said to be in no requirement, with the help to name the column."""
     (tmp_path / "r.csv").write_text("id,Text\nR-1,It shall stop.\n", "utf-8")

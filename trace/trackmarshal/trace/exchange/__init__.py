@@ -39,8 +39,8 @@ def read(data: bytes, format: str, shown: str, naming: Naming, found: list[Findi
     """The documents in a file of another tool; what does not fit, and what is not taken over, goes to `found`, files that cannot be used raise (T350 to T359)."""
     match format:
         case "reqif":
+            drafts = reqif_file.read(data, shown, found, naming)
             naming = reqif_file.named(naming)
-            drafts = reqif_file.read(data, shown, found, naming.fields.get("id", "id"))
         case "needs":
             drafts = needs.read(data, shown, found, naming)
         case "csv":

@@ -145,15 +145,24 @@ def _left_out(version: dict[str, Any]) -> dict[str, Any]:
 
 def _attributes(key: str, need: dict[str, Any], naming: Naming) -> dict[str, Value]:
     said: dict[str, Value] = {"id": key}
+    asked = frozenset(naming.fields.values())
     for name, value in need.items():
-        if _is_internal(name) or name == "id" or not _says(value) or (name == "type" and value == _TYPE):
+        if (
+            _is_internal(name)
+            or name == "id"
+            or not _says(value)
+            or (name == "type" and value == _TYPE and name not in asked)
+        ):
             continue
         # Before version 2, sphinx-needs wrote `description` for `content`.
-        text = "statement" not in need and (
-            name == "content" or (name == "description" and "content" not in need)
+        text = (
+            name not in asked
+            and "statement" not in need
+            and "statement" not in naming.fields
+            and (name == "content" or (name == "description" and "content" not in need))
         )
         named = "statement" if text else name
-        if named in FIELDS or name in naming.fields.values():
+        if named in FIELDS or name in asked:
             texts = isinstance(value, list) and all(isinstance(entry, str) for entry in value)
             said[named] = value if isinstance(value, str) or texts else json.dumps(value, ensure_ascii=False)
         else:

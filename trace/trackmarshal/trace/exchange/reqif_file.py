@@ -6,7 +6,7 @@ A list of requirements is a specification, a requirement an object of the type `
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from datetime import datetime
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -165,8 +165,8 @@ def write(documents: Sequence[Document], project: str, created: datetime, shown:
     return escaped.encode("utf-8")
 
 
-def read(data: bytes, shown: str, found: list[Finding], called: str) -> list[Draft]:
-    """The specifications of a ReqIF file, with links to what is called so in the attribute `called`; raises T350, T353, T354, T356, T359, and names what is not taken over in `found` (T357)."""
+def read(data: bytes, shown: str, found: list[Finding], naming: Naming) -> list[Draft]:
+    """The specifications of a ReqIF file, with links to requirements by the ids that `naming` has; raises T350, T353, T354, T356, T359, and names what is not taken over in `found` (T357)."""
     text = checked(data, shown)
     require(shown)
     from reqif.parser import ReqIFParser
@@ -180,7 +180,7 @@ def read(data: bytes, shown: str, found: list[Finding], called: str) -> list[Dra
         bundle = ReqIFParser.parse_from_string(text)
         for lacking in bundle.exceptions:  # the package leaves out what it is about, and says so nowhere else
             raise _incomplete(lacking, shown)
-        return list(_Reading(bundle, shown, found, called).drafts())
+        return list(_Reading(bundle, shown, found, naming).drafts())
     except Refused:
         raise
     except Exception as problem:  # whatever the package meets in a file that is not as it expects
@@ -207,8 +207,10 @@ def _incomplete(lacking: Any, shown: str) -> Refused:
 class _Reading:
     """One file; every object once, in the order of the specifications."""
 
-    def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding], called: str) -> None:
-        self._shown, self._found, self._called = shown, found, called
+    def __init__(self, bundle: ReqIFBundle, shown: str, found: list[Finding], naming: Naming) -> None:
+        self._shown, self._found = shown, found
+        self._asked = {theirs: ours for ours, theirs in naming.fields.items()}  #: fields by names of the file
+        self._called = named(naming).fields.get("id", "id")
         self._told: set[str] = set()  #: what is not taken over, each once
         self._first: dict[str, Any] = {}  #: by type of objects, the first requirement of it
         content = bundle.core_content.req_if_content if bundle.core_content else None
@@ -309,17 +311,24 @@ class _Reading:
         return Item(self._held[key], _line(self._objects[key]))
 
     def _named(self, key: str, one: Any) -> None:
-        """Names that ReqIF gives to everybody's attributes, as ours; where there is no such attribute, what the object itself has."""
-        held = {
-            (_MEANT[name] if name in _MEANT and _MEANT[name] not in self._held[key] else name): value
-            for name, value in self._held[key].items()
-        }
+        """Names that ReqIF gives to everybody's attributes, as ours, unless they are asked for as another field; where there is no such attribute, what
+        the object itself has."""
+        held = {self._ours(name, self._held[key]): value for name, value in self._held[key].items()}
         held.setdefault("id", key)
         if one.long_name:
             held.setdefault("title", one.long_name)
         if one.description:
             held.setdefault("ReqIF.Description" if "statement" in held else "statement", one.description)
         self._held[key] = held
+
+    def _ours(self, name: str, held: Collection[str]) -> str:
+        """What an attribute is called here: where two are one of our fields, the one that is asked for is it."""
+        ours = _MEANT.get(name)
+        if ours is not None and self._asked.get(name, ours) == ours:
+            return ours if name in self._asked or ours not in held else name
+        theirs = STANDARD.get(name)
+        beside = theirs is not None and theirs in held and self._asked.get(theirs) == name
+        return ESCAPE + name if beside else name
 
     def _values(self, held: Sequence[SpecObjectAttribute]) -> dict[str, Value]:
         said: dict[str, Value] = {}
