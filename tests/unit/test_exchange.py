@@ -384,6 +384,24 @@ def test_relations_lead_to_the_ids_that_are_named() -> None:
     assert exchange.check(documents) == []
 
 
+def test_a_field_in_which_nothing_stands_is_there_all_the_same() -> None:
+    """As sphinx-needs writes all of its fields, and ReqIF says which attributes and relations there may be; that nothing in the file has them was said."""
+    need: dict[str, object] = {"id": "AB-1", "title": "A", "content": "It shall.", "docname": "d"}
+    version = {"needs": {"AB-1": {**need, "state": "", "level": None, "derives": []}}}
+    named = Naming({"status": "state", "asil": "level", "refines": "derives"}, NAMING.defaults)
+    documents, found = read(json.dumps({"current_version": "1", "versions": {"1": version}}), "needs", named)
+    one = documents[0].requirements[0]
+    assert (found, one["status"], one["asil"], "refines" in one) == ([], "draft", "QM", False)
+    reqif = re.sub(r"<SPEC-RELATION .*</SPEC-RELATION>", "", REQIF)
+    reqif = re.sub(r"<ATTRIBUTE-VALUE-ENUMERATION>.*</ATTRIBUTE-VALUE-ENUMERATION>", "", reqif)
+    for fields, told in (
+        ({"status": "status", "refines": "link verifies"}, 0),
+        ({"status": "Status", "refines": "link Refines"}, 2),
+    ):
+        _, found = read(reqif, "reqif", Naming(fields, NAMING.defaults))
+        assert ["no requirement in the file has" in one for one in found].count(True) == told
+
+
 def test_names_that_everybody_has_in_reqif_may_be_named() -> None:
     """As the page has them: then they were said not to be there."""
     named = Naming({"id": "ReqIF.ForeignID", "statement": "ReqIF.Text"}, DOOR.defaults)

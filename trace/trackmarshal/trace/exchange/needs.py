@@ -147,12 +147,9 @@ def _attributes(key: str, need: dict[str, Any], naming: Naming) -> dict[str, Val
     said: dict[str, Value] = {"id": key}
     asked = frozenset(naming.fields.values())
     for name, value in need.items():
-        if (
-            _is_internal(name)
-            or name == "id"
-            or not _says(value)
-            or (name == "type" and value == _TYPE and name not in asked)
-        ):
+        if _is_internal(name) or name == "id":
+            continue
+        if name not in asked and (not _says(value) or (name == "type" and value == _TYPE)):
             continue
         # Before version 2, sphinx-needs wrote `description` for `content`.
         text = (
@@ -165,6 +162,8 @@ def _attributes(key: str, need: dict[str, Any], naming: Naming) -> dict[str, Val
         if named in FIELDS or name in asked:
             texts = isinstance(value, list) and all(isinstance(entry, str) for entry in value)
             said[named] = value if isinstance(value, str) or texts else json.dumps(value, ensure_ascii=False)
+            if not _says(value):
+                said[named] = ""  # it is there, and empty
         else:
             plain = isinstance(value, str) and _value(value) is value
             said[named] = value if plain else _RAW + json.dumps(value, ensure_ascii=False)

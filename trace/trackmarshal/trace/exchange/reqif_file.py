@@ -236,6 +236,7 @@ class _Reading:
                         f"the default `{self._words.get(definition.default_value) or definition.default_value}` of the attribute `{definition.long_name}`",
                         definition.xml_node,
                     )
+        self._declared = {*self._names.values(), *map(_link, self._kinds.values())}
         self._objects: dict[Any, Any] = {}
         for one in content.spec_objects or ():
             if one.identifier in self._objects:
@@ -312,13 +313,16 @@ class _Reading:
 
     def _named(self, key: str, one: Any) -> None:
         """Names that ReqIF gives to everybody's attributes, as ours, unless they are asked for as another field; where there is no such attribute, what
-        the object itself has."""
+        the object itself has. What is asked for and only declared is there, and empty."""
         held = {self._ours(name, self._held[key]): value for name, value in self._held[key].items()}
         held.setdefault("id", key)
         if one.long_name:
             held.setdefault("title", one.long_name)
         if one.description:
             held.setdefault("ReqIF.Description" if "statement" in held else "statement", one.description)
+        for name in self._asked:
+            if name in self._declared:
+                held.setdefault(name, "")
         self._held[key] = held
 
     def _ours(self, name: str, held: Collection[str]) -> str:
@@ -431,7 +435,7 @@ class _Reading:
             if one.values:
                 self._dropped(f"what the relation `{one.identifier}` says beside its ends", one.xml_node)
             kind = self._kinds.get(one.relation_type_ref, one.relation_type_ref)
-            name = _REFINES if kind.lower() == _REFINES else f"link {kind}"
+            name = _link(kind)
             target = self._held[one.target]
             id_ = str(target.get(self._called) or target["id"])
             related.setdefault(one.source, {}).setdefault(name, []).append(id_)
@@ -453,6 +457,11 @@ class _Reading:
         if what not in self._told:
             self._told.add(what)
             self._found.append(warning("T357", f"{what} is not taken over", Place(self._shown, line)))
+
+
+def _link(kind: str) -> str:
+    """What relations of a type are called."""
+    return _REFINES if kind.lower() == _REFINES else f"link {kind}"
 
 
 def _walk(node: Any) -> Iterator[tuple[str, Any]]:
