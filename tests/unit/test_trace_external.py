@@ -313,6 +313,7 @@ CODED = STAGE.replace("[test, run]", "[code]")
         ("a.py", "# implements the door\n", None),
         ("a.py", "# implements S-1-B-1's half of the door\n", None),
         ("a.py", "# implements S-1-B-1.open\n", None),
+        ("a.c", "/* It sums up,\n * implements Cooley-Tukey.\n * implements `Kahan-Babuska`: */\n", None),
         ("a.c", "int door(void); // implements S-1-B-1\n", "engine/a.c:1:31"),
         ("a.c", "/* A door.\n * implements S-1-B-1\n */\n", "engine/a.c:2:15"),
         ("a.c", '/* implements S-1-B-1 */ char *s = "/* implements S-1-A-2 */";\n', "engine/a.c:1:15"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -28,8 +28,10 @@ SUFFIXES = (*_PYTHON, *_HASH, *_SLASHES)
 
 _MARKER = re.compile(r"[\s*/#!]*implements:?[ \t]+(?P<ids>[^\n]*)")
 _ID = re.compile(ID)
-#: A first word that was hardly meant as prose: an id, with whatever marks around it, or one misspelt.
-_LIKE_AN_ID = re.compile(rf"[^\w\s]*{ID}[^\w\s]*|[A-Za-z][A-Za-z0-9]*([-_][A-Za-z0-9]+)*[-_][0-9]+")
+#: A first word that was hardly meant as prose: an id, or one misspelt.
+_LIKE_AN_ID = re.compile(rf"{ID}|[A-Za-z][A-Za-z0-9]*([-_][A-Za-z0-9]+)*[-_][0-9]+")
+#: An id with whatever marks around it. In prose, names such as `Cooley-Tukey` stand so, too; they have no number.
+_MARKED = re.compile(rf"[^\w\s]*(?P<id>{ID})[^\w\s]*")
 #: Strings, so that what looks like a comment in them is passed over, and comments.
 _C = r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|(?P<line>//[^\n]*)|(?P<block>/\*.*?\*/)'
 _THREE_QUOTES = r'"""(?:\\.|(?!""").)*"""'
@@ -82,7 +84,7 @@ def load(root: Path, project: Project, found: list[Finding]) -> tuple[Marker, ..
                 found.append(error("T344", message, Place(shown), help_))
                 continue
             for line, column, text in comments:
-                markers |= dict.fromkeys(_markers(shown, line, column, text, found))
+                markers |= dict.fromkeys(_markers(shown, line, column, text, project.by_id, found))
     return tuple(markers)
 
 
@@ -138,13 +140,15 @@ def _comments(suffix: str, text: str) -> Iterator[tuple[int, int, str]]:
             yield line + number, column if number == 0 else 1, part
 
 
-def _markers(shown: str, line: int, column: int, text: str, found: list[Finding]) -> Iterator[Marker]:
+def _markers(
+    shown: str, line: int, column: int, text: str, known: Collection[str], found: list[Finding]
+) -> Iterator[Marker]:
     match = _MARKER.match(text)
     if match is None:
         return
     said = match["ids"].partition(":")[0].replace("*/", " ")  # what follows a colon is for people
     words = [word for word in re.split(r"[,\s]+", said) if word]
-    if not words or not _LIKE_AN_ID.fullmatch(words[0]):
+    if not words or not (_LIKE_AN_ID.fullmatch(words[0]) or _is_marked(words[0], known)):
         return  # prose that begins with this word
     place = Place(shown, line, column + match.start("ids"))
     for word in words:
@@ -154,3 +158,8 @@ def _markers(shown: str, line: int, column: int, text: str, found: list[Finding]
             help_ = "write ids with commas between them, and what else there is to say behind a colon"
             found.append(error("T345", f"`{word}` is no id of a requirement", place, help_))
             return
+
+
+def _is_marked(word: str, known: Collection[str]) -> bool:
+    marked = _MARKED.fullmatch(word)
+    return marked is not None and (marked["id"] in known or any(map(str.isdigit, marked["id"])))
