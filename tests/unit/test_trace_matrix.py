@@ -614,3 +614,6 @@ def test_what_no_stage_asks_anything_of_is_told(
     small.replace("requirements/v-model.yaml", 'shows: its tests, applies_to: ["*"]', "shows: its tests, applies_to: [S-1-*, RR-*]")  # fmt: skip
     (small.root / "requirements" / "more.yaml").write_text(_BELOW % (id_, status), "utf-8")
     assert [f.subject for f in small.matrix().findings if f.code == "T149"] == told
+    # A stage that asks where there is something asks nothing of what has nothing.
+    small.replace("requirements/v-model.yaml", "shows: its assumptions, applies_to: [S-1-A-*, RR-*]", 'shows: its assumptions, applies_to: ["*"]')  # fmt: skip
+    assert [f.subject for f in small.matrix().findings if f.code == "T149"] == told

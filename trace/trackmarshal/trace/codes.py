@@ -49,7 +49,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T146": ("an unknown subsystem", "An interface's id consists of the subsystems that it joins."),
     "T147": ("an initiator from outside", "An interaction is started by one of the interface's ends, or is mutual."),
     "T148": ("an unknown stage", "The stage is not among those that the V-model lists."),
-    "T149": ("a pattern that fits nothing", "A pattern in v-model.yaml fits no requirement, or one of the gate none that its stage asks anything of: such a demand is of no cell, and always met. It may be misspelt, or its requirements are gone. Or a requirement fits no pattern of any stage, nor does one that refines it: it has no cell, and the gate asks nothing of it, whatever shows it. Its id may be misspelt."),
+    "T149": ("a pattern that fits nothing", "A pattern in v-model.yaml fits no requirement, or one of the gate none that its stage asks anything of: such a demand is of no cell, and always met. It may be misspelt, or its requirements are gone. Or a requirement fits no pattern of any stage, or of such with `if_any` alone that have nothing of it, and so does all that refines it: it has no cell, and the gate asks nothing of it, whatever shows it. Its id may be misspelt."),
     "T150": ("a link is missing", "The schema of links asks for it: the project's own, or else the one that comes with the program. docs/link-graph.md says what it asks for, and how a project changes it."),
     "T151": ("a link to nothing", "The link names something that does not exist in the project."),
     "T152": ("a link to more than one thing", "Things of several kinds have this id, and the link may lead to any of them. Write the kind before it: `rule:friction`."),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import posixpath
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from trackmarshal.trace import wording
 from trackmarshal.trace.files import Hashes
@@ -230,7 +230,6 @@ def _v_model(project: Project) -> Iterator[Finding]:
                 message = f"the gate demands `{pattern}` at {demand.stage}, which asks nothing of it"
                 help_ = f"add it to `applies_to` of {demand.stage}, or strike the demand"
                 yield warning("T149", message, pattern.place, help_, pattern)
-    yield from _unasked(project)
     for scenario in project.scenarios:
         if scenario.expect == "fire" and not scenario.by:
             yield error(
@@ -255,18 +254,16 @@ def _v_model(project: Project) -> Iterator[Finding]:
             yield error("T127", message, waiver.id.place, help_, waiver.id)
 
 
-def _unasked(project: Project) -> Iterator[Finding]:
+def unasked(project: Project, cells: Mapping[str, Mapping[str, object]]) -> Iterator[Finding]:
     """T149 for what is demanded and has no cell, nor has anything that refines it, at any depth: whatever shows it, or does not, the gate asks nothing of it."""
-    demanded = {str(r.id): r for r in project.by_id.values() if r.demanded}
-    patterns = [pattern for stage in project.stages for pattern in stage.applies_to]
-    asked = {id_ for id_ in demanded if matches(id_, patterns)}
+    asked = {id_ for id_, row in cells.items() if row}
     todo = list(asked)
     while todo:
-        above = {up for up in map(str, demanded[todo.pop()].refines) if up in demanded and up not in asked}
+        above = {up for up in map(str, project.by_id[todo.pop()].refines) if up in cells and up not in asked}
         asked |= above
         todo += above
-    for id_, requirement in demanded.items():
-        if patterns and id_ not in asked:  # where there are no stages, that is what is wrong
+    for id_ in cells if project.stages else ():  # where there are no stages, that is what is wrong
+        if id_ not in asked:
             message = f"no stage asks anything of `{id_}`, nor of what refines it"
             help_ = "add it to `applies_to` of the stages that are to show it, or correct its id"
-            yield warning("T149", message, requirement.place, help_, id_)
+            yield warning("T149", message, project.by_id[id_].place, help_, id_)

@@ -165,6 +165,7 @@ def assemble(
     content = baselines.carried({} if baseline is None else baseline.content, content, there)
     loose = [
         *consistency.check(project),
+        *consistency.unasked(project, cells),
         *consistency.recordings(project, hashes),
         *checks.check(graph),
         *schema.check(graph, project, asking),
