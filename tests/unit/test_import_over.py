@@ -68,13 +68,13 @@ def test_an_asil_that_is_lowered_is_named(
     assert err.count("T365") == named
 
 
-@pytest.mark.parametrize(("source", "named"), [("a regulation", False), ("", True), ("another one", True)])
+@pytest.mark.parametrize(("source", "named"), [('"a\nregulation"', False), ("", True), ("another one", True)])
 def test_where_a_list_comes_from_is_not_lost_without_a_word(
     source: str, named: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Most tools have no such thing."""
     row = "AB-1,A,It shall.,B,draft,D,test,C"
-    for said in ("a regulation", source):
+    for said in ('"a\nregulation"', source):
         Path("in.csv").write_text(f"document_source,{HEAD}{said},{row}\n")
         capsys.readouterr()
         assert main(["import", "requirements", "in.csv", "--force"]) == 0

@@ -35,8 +35,8 @@ class _Less(NamedTuple):
 
 def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> Iterator[Finding]:
     """T365 for each requirement of the files, (path, as it is shown), that the documents written over them lack, give a lower ASIL, demand no longer, or
-    leave without links or fields that it has, and for each list of requirements that cannot be read whole; an error for each file that is none, which is not
-    written over."""
+    leave without links or fields that it has, and for each list of requirements that loses its source, or cannot be read whole; an error for each file that is
+    none, which is not written over."""
     now = {str(one.text("id")): one for document in documents for one in document.requirements}
     less: list[_Less] = []
     for path, shown in files:
@@ -53,7 +53,7 @@ def lost(documents: Sequence[Document], files: Sequence[tuple[Path, str]]) -> It
             yield warning("T365", message, Place(shown), "look at it before it is gone")
         source = read[1].text("source")
         if source and all(source != document.table.text("source") for document in documents):
-            message = f"the list loses where it comes from: `{source}`"
+            message = f"the list loses where it comes from: `{' '.join(source.split())[:60]}`"
             yield warning("T365", message, source.place, "write it anew afterwards")
         for before in read[1].tables("requirements"):
             id_ = before.text("id")
