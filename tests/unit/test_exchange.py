@@ -565,6 +565,7 @@ def test_a_foreign_text_that_is_no_json_goes_out_as_a_text(said: str) -> None:
 FORMATTED = {
     "shall<xhtml:pre>stop\n  wait\n<xhtml:b>go\non</xhtml:b></xhtml:pre>\nand\nthen": "It shall\nstop\nwait\ngo\non\nand then open.",
     "shall:<xhtml:ul>\n <xhtml:li>stop</xhtml:li>\n <xhtml:li>wait</xhtml:li>\n</xhtml:ul>and then": "It shall:\nstop\nwait\nand then open.",
+    "shall<xhtml:pre>stop <xhtml:del>now</xhtml:del>\nwait</xhtml:pre>then": "It shall\nstop\nwait\nthen open.",
     "within<xhtml:p>10 s</xhtml:p>": "It within\n10 s\nopen.",
     "at 10<xhtml:sup>-3</xhtml:sup> m/s<xhtml:sup>2</xhtml:sup>": "It at 10^-3 m/s^2 open.",
     "<xhtml:table><xhtml:tr><xhtml:td>at 5</xhtml:td><xhtml:td>0.1 s</xhtml:td></xhtml:tr></xhtml:table>": "It\nat 5 0.1 s\nopen.",

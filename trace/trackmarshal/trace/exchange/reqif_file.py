@@ -403,7 +403,8 @@ class _Reading:
                     continue
                 self._dropped(f"`{' '.join(struck.split())}`, which is struck out in `{name}`,", node)
                 struck = ""
-                behind = re.sub(r"[ \t\r\n]+", " ", node.tail or "")
+                behind = node.tail or ""
+                behind = behind if verbatim else re.sub(r"[ \t\r\n]+", " ", behind)
                 said += behind.removeprefix(" ") if said.endswith((" ", "\n")) else behind
                 continue
             if begins and tag not in _BLOCKS and tag not in ("br", "span", "THE-VALUE"):
