@@ -41,9 +41,10 @@ _BESIDE = frozenset({"testng-results", "coverage", "checkstyle"})
 #: With a document type: coverage, and what TestNG would run again. A `<suite>` without one may be of tests.
 _BESIDE_TYPED = _BESIDE | {"suite"}
 
-#: The root of what Maven's Failsafe leaves beside its reports, on the run as a whole. Of a run in which nothing broke it gives no result.
+#: The root of what Maven's Failsafe leaves beside its reports, on the run as a whole. Of a run in which nothing broke it gives no result, or 254 where there
+#: was no test; either may stand beside what a process said that ended.
 _SUMMARY = "failsafe-summary"
-_NO_RESULT = frozenset({"", "null"})
+_NOTHING_BROKE = frozenset({"", "null", "254"})
 
 #: What may stand in a suite; `failure` and `error` there are about what all of its tests need.
 _IN_SUITE = frozenset({"testsuite", "testcase", "properties", "system-out", "system-err", "failure", "error"})
@@ -97,6 +98,7 @@ class _Reader:
         self._silent = 0  # how deep in what is passed over
         self._property: tuple[str, str] | None = None
         self._text = ""
+        self._run: dict[str, str] = {}  #: what a summary says of it
         self._tests: list[ExternalTest] = []
         self._left = MAX_NAMED
         #: What suites name, the inner ones first: of the tests from a number up to another one. Properties of a suite may stand behind its tests.
@@ -150,7 +152,8 @@ class _Reader:
             self._silent += 1
         elif not parent:
             if name == _SUMMARY:
-                raise self._summary(attributes)
+                self._run = attributes
+                return
             if name not in ("testsuites", "testsuite"):
                 raise self._fail("T333", f"the root is <{name}>, not <testsuites>", AGAIN, name in _BESIDE)
             self._open(attributes)
@@ -166,13 +169,15 @@ class _Reader:
                 self._beside(name, parent)
         elif parent == "property":
             self._beside(name, parent)
+        elif parent == _SUMMARY and name == "failureMessage":
+            self._text = ""
         else:  # in a failure, which may hold more than text
             self._silent = 1
 
-    def _summary(self, attributes: dict[str, str]) -> TrackmarshalError:
+    def _summary(self) -> TrackmarshalError:
         """A run that broke off is said to have there alone: of tests that a process took with it, no report tells."""
-        result, timeout = attributes.get("result", ""), attributes.get("timeout", "false")
-        if result in _NO_RESULT and timeout == "false":
+        result, timeout = self._run.get("result", ""), self._run.get("timeout", "false")
+        if result in _NOTHING_BROKE and timeout == "false" and not self._text.strip():
             return self._fail("T333", f"the root is <{_SUMMARY}>, not <testsuites>", AGAIN, True)
         message = f"Failsafe says that its run failed or broke off (`result` `{result}`, `timeout` `{timeout}`): there may be tests that it lists nowhere"
         return self._fail("T335", message, "mend what failed, and run it again")
@@ -225,6 +230,8 @@ class _Reader:
         self._path.pop()
         if self._silent:
             self._silent -= 1
+        elif name == _SUMMARY:
+            raise self._summary()
         elif name == "property" and self._property is not None:
             called, value = self._property
             if called == VERIFIES:
