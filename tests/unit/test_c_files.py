@@ -602,6 +602,32 @@ def test_two_programs_that_are_linked_are_told_apart(doored: bool, tmp_path: Pat
     assert ends == [40, 4]
 
 
+@pytest.mark.parametrize(
+    ("changed", "other"),
+    [
+        # The door's, of which no rule knows: what one car cannot do is no fault to the other one's.
+        (("v: m/s }", "v: m/s in [0 m/s, 10 m/s] }"), True),
+        (("x: m, y: m, heading: rad, v: m/s }\nrule", "y: m, x: m, heading: rad, v: m/s }\nrule"), True),
+        (("rule slow", "rule fast"), True),
+        (('""', '""  -- and steady'), False),
+        (("module m\n", "module m\n\n"), False),
+    ],
+)
+def test_what_is_compiled_otherwise_is_another_program(changed: tuple[str, str], other: bool) -> None:
+    text = (
+        "module m\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
+        'signal ego : state { x: m, y: m, heading: rad, v: m/s }\nrule slow ""\n  for all p in plan\n  require p.v <= 10 m/s\n'
+    )
+    assert changed[0] in text
+    numbers = []
+    for written, name in ((text, "supervisor"), (text.replace(*changed), "car")):
+        spec = loads(written)
+        header = generate(spec, list(spec.rules), name, doored=True).header
+        numbers += re.findall(r"#define TM_PROGRAM 0x([0-9a-f]{8})ul\n", header)
+    assert len(numbers) == 2
+    assert (numbers[0] != numbers[1]) == other
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 @pytest.mark.parametrize("capacity", [at_length("SAMPLES"), "BORDER", at_length("REASONS")])
 def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Sequence
 
 from trackmarshal.backends.c import interface, places
@@ -44,7 +45,7 @@ def header(
     """The text of the header file."""
     begins, end = places.firsts(plan)
     context = {
-        "guard": f"TM_{name.upper()}_H", "program": _program(plan, codes, supervised is not None), "plan": plan, "given": supervised, "series": series, "monitors": monitors,
+        "guard": f"TM_{name.upper()}_H", "plan": plan, "given": supervised, "series": series, "monitors": monitors,
         "along": along(plan), "capacities": [(macro, _capacity(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
@@ -58,10 +59,12 @@ def header(
     return render("program/header.h.j2", context)
 
 
-def _program(plan: Layout, codes: Sequence[RuleCode], supervised: bool) -> str:
-    """Tells programs apart whose contexts have one size: 8 hexadecimal digits."""
-    told = [plan.spec.fingerprint, str(supervised), *(code.rule.name for code in codes)]
-    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
+def numbered(text: str, source: str, name: str) -> str:
+    """A header with its program's number (TM_PROGRAM): another one for all that is compiled otherwise, whatever the files are called, and wherever
+    the spec stands."""
+    own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b'
+    number = hashlib.sha256(re.sub(own, "", text + source, flags=re.DOTALL).encode()).hexdigest()[:8]
+    return text.replace("#define TM_PROGRAM 0x0ul\n", f"#define TM_PROGRAM 0x{number}ul\n")
 
 
 #: Capacities that are limits of a Supervisor, by their names there.

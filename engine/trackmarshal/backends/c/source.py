@@ -11,7 +11,7 @@ from trackmarshal.backends.c.configuration import configuration
 from trackmarshal.backends.c.contract import Supervised, supervised_layout
 from trackmarshal.backends.c.courses import counts_samples
 from trackmarshal.backends.c.door import Door
-from trackmarshal.backends.c.header import header
+from trackmarshal.backends.c.header import header, numbered
 from trackmarshal.backends.c.judging import calls as rule_calls
 from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout, roots
@@ -99,10 +99,9 @@ def generate(
     series = max((code.series for code in codes), default=0)
     found = tuple(monitors(plan)) if online else ()
     books = book_codes(spec, codes)
-    return Source(
-        plan, codes, header(plan, codes, series, name, found, supervised, declared(books)),
-        _source(plan, codes, groups, name, found, supervised, books), name, found, supervised,
-    )  # fmt: skip
+    text = _source(plan, codes, groups, name, found, supervised, books)
+    head = header(plan, codes, series, name, found, supervised, declared(books))
+    return Source(plan, codes, numbered(head, text, name), text, name, found, supervised)
 
 
 def _source(
