@@ -10,13 +10,14 @@ import ctypes
 import math
 import os
 import re
+import shutil
 import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -141,7 +142,7 @@ class C:
             "tml_desk_take": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, FETCH, ctypes.c_void_p, ctypes.c_void_p],
             "tml_desk_overdue": [ctypes.c_void_p], "tml_region_open": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.c_bool, ctypes.c_bool, ctypes.c_void_p],
             "tml_get": [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
-            "tml_client_memory": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p],
+            "tml_client_memory_of": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p],
             "probe_serve": [ctypes.c_char_p], "tml_client_tick": [ctypes.c_void_p], "tml_client_hear": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
             "tml_client_answer": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_double, ctypes.c_char_p],
         }.items():  # fmt: skip
@@ -246,6 +247,51 @@ def test_nothing_is_kept_but_in_what_a_caller_has(tmp_path: Path) -> None:
     said = subprocess.run(["nm", *objects], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
     assert "T tml_crc" in said
     assert [line for line in said.splitlines() if re.search(" [BbCDdGgSs] ", line)] == []
+
+
+#: As a host has it for each of its Supervisors.
+ITS_OWN = """#include "client.h"
+#include "executing.h"
+static struct {{ tml_client client; tml_executing executing; }} kept;
+int begun_{samples}(void) {{
+  const char *why = "";
+  const bool started = tml_executing_start(&kept.executing, TML_SILENCE, false);
+  const bool listens = tml_client_datagrams(&kept.client, 9u, &why);
+  const bool maps = tml_client_memory(&kept.client, "nowhere", TML_WAIT_SLEEP, &why);
+  return (started ? 1 : 0) + (listens ? 2 : 0) + (maps ? 4 : 0) + ((why[0] == 'a') ? 8 : 0);
+}}
+"""
+
+
+@pytest.mark.skipif(shutil.which("ar") is None, reason="no ar")
+def test_two_clients_that_are_linked_are_told_apart(tmp_path: Path) -> None:
+    """As two programs of rules: the linker takes the functions of the first library without a word, and those of the larger client wrote beyond the
+    smaller one."""
+    spec = tm.loads(SPEC)
+    source = generate(spec, list(spec.rules), doored=True)
+    main = (
+        "int begun_9(void);\nint begun_18(void);\nint main(void) { return begun_9() + (16 * begun_18()); }\n"
+    )
+    (tmp_path / "main.c").write_text(main)
+    for samples in (9, 18):
+        made, folder = Emitted(source, asdict(replace(LIMITS, samples=samples))), tmp_path / str(samples)
+        folder.mkdir()
+        for name, text in {"supervisor.h": source.header, **made.files}.items():
+            (folder / name).write_text(text, encoding="utf-8")
+        (folder / "host.c").write_text(ITS_OWN.format(samples=samples))
+        units = [f"{name}.c" for name in ("messages", "mailbox", "client", "executing")]
+        sizes = [f"-D{name}={size}u" for name, size in made.sizes.items()]
+        command = [*(compiler() or []), *EXACT, "-O0", *sizes, "-c", *units, "host.c"]
+        subprocess.run(command, cwd=folder, check=True)
+        objects = [unit.replace(".c", ".o") for unit in units]
+        subprocess.run(["ar", "rc", "lib.a", *objects], cwd=folder, check=True)
+    ends = []
+    for libraries in (["9/lib.a", "18/lib.a"], ["18/lib.a", "9/lib.a"]):
+        command = [*(compiler() or []), "main.c", "9/host.o", "18/host.o", *libraries, "-lm", "-o", "made"]
+        subprocess.run(command, cwd=tmp_path, check=True)
+        ends.append(subprocess.run([tmp_path / "made"], cwd=tmp_path, check=False).returncode)
+    # The other one's are refused, and its own are there, but for shared memory that nobody has made.
+    assert ends == [16 * 8 + 3, 8 + 16 * 3]
 
 
 class Sent:
@@ -976,7 +1022,8 @@ class CClient:
     def connect(self) -> None:
         why = ctypes.c_char_p()
         path = self.cycles.path.removesuffix(".cycles").encode()
-        assert self.c.dll.tml_client_memory(self.at, path, 1, ctypes.byref(why)), why.value
+        own = self.c.layout.fingerprint, self.c.dll.probe_client()
+        assert self.c.dll.tml_client_memory_of(self.at, *own, path, 1, ctypes.byref(why)), why.value
         self.c.dll.tml_client_time(self.at, 0.25)
 
     def column(self, values: Any, kind: Any = ctypes.c_double) -> int | None:

@@ -33,9 +33,16 @@ typedef struct {
 #endif
 } tml_client;
 
-/* Connect over shared memory, which a Supervisor has made, or to a port of this machine. False: `why` says what is wrong. */
-bool tml_client_memory(tml_client *client, const char *name, tml_waiting how, const char **why);
-bool tml_client_datagrams(tml_client *client, unsigned port, const char **why);
+bool tml_client_memory_of(tml_client *client, uint64_t layout, size_t size, const char *name, tml_waiting how, const char **why);
+bool tml_client_datagrams_of(tml_client *client, uint64_t layout, size_t size, unsigned port, const char **why);
+/* Connect over shared memory, which a Supervisor has made, or to a port of this machine. False: `why` says what is wrong, also where the
+   functions that are linked are another program's, whose clients have other members. */
+static inline bool tml_client_memory(tml_client *client, const char *name, tml_waiting how, const char **why) {
+  return tml_client_memory_of(client, TML_LAYOUT, sizeof(tml_client), name, how, why);
+}
+static inline bool tml_client_datagrams(tml_client *client, unsigned port, const char **why) {
+  return tml_client_datagrams_of(client, TML_LAYOUT, sizeof(tml_client), port, why);
+}
 /* Simulated time: what the clock shows from now on, s. */
 void tml_client_time(tml_client *client, double now);
 /* Hand over a cycle (`now` of it is not read); the sequence of its message. Lines go along when their ids change. 0: it could not be sent, or
