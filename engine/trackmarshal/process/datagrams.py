@@ -8,8 +8,8 @@ from .messages import Layout, LinkError
 
 _HERE = "127.0.0.1"
 _ROOM = 1 << 20
-#: s: for who waits as long as it takes; a socket takes no more than a system's clock can count.
-_LONG = 1e9
+#: s: of more, a socket counts milliseconds in an int, and does so wrong; it is waited without an end.
+_LONG = 1e6
 
 
 class Datagrams:
@@ -41,7 +41,7 @@ class Datagrams:
 
     def receive(self, seconds: float) -> bytes | None:
         """The next message; None where none comes."""
-        self._socket.settimeout(min(seconds, _LONG) if seconds > 0.0 else 0.0)
+        self._socket.settimeout(None if seconds > _LONG else seconds if seconds > 0.0 else 0.0)
         try:
             return self._socket.recv(self._longest + 1)
         except OSError:
