@@ -279,6 +279,44 @@ def test_a_cycle_in_which_a_step_was_stopped_is_missing_in_the_record(backend: s
     assert (run.missed, run.damage, run.ended) == (1, "", True)
 
 
+@pytest.mark.parametrize("stops", [[0], [3], [0, 3]])
+def test_a_step_is_missing_wherever_it_was_stopped(backend: str, stops: list[int], tmp_path: Path) -> None:
+    """Before the first row, and behind the last one."""
+    clock, path = Clock(), tmp_path / "run.arrows"
+    one = made(backend, clock, path)
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    for number in range(4):
+        clock.asks = stop if number in stops else None
+        if number in stops:
+            with pytest.raises(KeyboardInterrupt):
+                stepped(one, clock, number)
+        else:
+            stepped(one, clock, number)
+    one.close()
+    run = read(path.read_bytes(), str(path))
+    assert (len(run.cycles), run.missed, run.damage, run.ended) == (4 - len(stops), len(stops), "", True)
+
+
+def test_a_recorder_that_knows_of_no_stopped_steps_stops_nobody_else(backend: str, tmp_path: Path) -> None:
+    """One of before had `append` and `close`: in place of what the signal's handler has raised, an AttributeError came out of the step."""
+    clock = Clock()
+    one = made(backend, clock)
+    one.recorder = SimpleNamespace(append=lambda *given: None, close=lambda: None)
+    assert stepped(one, clock, 0).safe
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    clock.asks = stop
+    with pytest.raises(KeyboardInterrupt):
+        stepped(one, clock, 1)
+    assert "stopped" in one.record_error
+    assert one.record_error.startswith("AttributeError: ")
+
+
 def borders() -> dict[str, Any]:
     """Of one road, which nobody can change."""
     return {side: tm.line([(-50.0, y), (2000.0, y)]) for side, y in (("left", 6.0), ("right", -6.0))}

@@ -69,6 +69,15 @@ class Recorder(Protocol):
     def close(self) -> None: ...
 
 
+def gone(recorder: Recorder) -> str:
+    """Tell a recorder of a step that was stopped; why it could not be told, which stops nobody else, empty where it could."""
+    try:
+        recorder.stopped()
+    except Exception as error:  # one that knows of no such steps, as well
+        return f"{type(error).__name__}: {error}"
+    return ""
+
+
 @dataclass(slots=True)
 class Opened:
     """A step that has begun: which one it is, what the door says, and the clock's readings as they came. recorded: whether it was handed to the recorder."""
@@ -192,7 +201,7 @@ class Supervisor(OfOneRun):
                 if self.memory is memory:
                     self.memory = self._gap(_Closing())
                 if self.recorder is not None and not opened.recorded:
-                    self.recorder.stopped()
+                    self.record_error = gone(self.recorder) or self.record_error
                 raise
         finally:
             if own:

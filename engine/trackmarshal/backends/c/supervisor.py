@@ -36,6 +36,7 @@ from trackmarshal.runtime.supervisor import (
     OfOneRun,
     Recorder,
     advisories,
+    gone,
     incomplete,
     internal,
     named_rules,
@@ -169,7 +170,7 @@ class CSupervisor(OfOneRun):
                 if self.contract.over_run:
                     self._gap()
                 if self._recorder is not None and self._recorded != taken:
-                    self._recorder.stopped()
+                    self.record_error = gone(self._recorder) or self.record_error
             raise
         return decision or overlapping()
 
