@@ -223,8 +223,9 @@ def test_a_line_is_no_border_that_somebody_has_sent_before(rig: Rig) -> None:
 
 
 @BOTH
-def test_a_step_that_is_stopped_while_it_waits_is_missing_in_the_record(
-    rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("where", ["send", "receive"])
+def test_a_step_that_is_stopped_behind_its_cycle_is_missing_in_the_record(
+    where: str, rig: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The process has decided about its cycle, so that the next one is not skipped, as it is to whoever runs the record again."""
     spec, path = shipped(), tmp_path / "run.arrows"
@@ -239,12 +240,14 @@ def test_a_step_that_is_stopped_while_it_waits_is_missing_in_the_record(
         return supervisor.step(cycle(number)).safe
 
     assert step(3)
+    going = getattr(rig.client.channel, where)
 
-    def stop(seconds: float) -> None:
+    def stop(*given: Any) -> None:
+        going(*given)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(rig.client.channel, "receive", stop)
+        patched.setattr(rig.client.channel, where, stop)
         with pytest.raises(KeyboardInterrupt):
             step(4)
     assert step(5)

@@ -160,6 +160,8 @@ class Client:
         self.session = time.monotonic_ns()
         self._process = os.getpid()
         self._sequence = 0
+        #: How many cycles the process may have.
+        self.cycles = [0]
         self._cycle, self._line, self._tick = (layout.kinds[name] for name in ("cycle", "line", "tick"))
         self._groups = _groups(self._cycle, layout)
         self._events = [
@@ -210,6 +212,7 @@ class Client:
             flag = signals.get(event.removeprefix("signals."))
             kind.put(message, f"{event}/event", -1 if flag is None else _truth(event, flag))
         self._found(message, [*found, *(one for one in missing if one not in found)])
+        self.cycles[0] += 1  # a signal that stops the rest of it may come behind its way out
         return self._post(kind, "cycle", message)
 
     def tick(self) -> int:

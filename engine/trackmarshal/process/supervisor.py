@@ -91,7 +91,7 @@ class RemoteStepper:
         self._silent = False
         self._serial = 0
         #: How many steps the process was asked for.
-        self.serial = [0]
+        self.serial = client.cycles
         self._bordered: dict[int, _Points] = {}
         self._numbering = Numbering(lasting(source.plan.spec))
         #: The stamp of the cycle that was asked about last [s].
@@ -176,7 +176,6 @@ class RemoteStepper:
         return FAULT_NAMES[said.lost] if said.lost else ""
 
     def _asked(self, sequence: int, found: Sequence[Found]) -> Said:
-        self.serial[0] += 1
         message = self.client.answer(sequence, self._patience) if sequence else None
         self.decision, self._found = message, found
         if message is None:
