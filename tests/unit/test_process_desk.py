@@ -878,28 +878,33 @@ def test_a_message_is_whole_before_it_is_the_newest(c: C, boxed: tuple[Memory, R
 def test_whoever_sleeps_is_woken(c_sleeps: bool, c: C, boxed: tuple[Memory, Region], tmp_path: Path) -> None:
     """Without a wake, every cycle waited until the process looked by itself: nothing was wrong but the time that it took."""
     region, reading = boxed
-    asleep, over = threading.Event(), list[float]()
 
-    def sleep() -> None:
-        heard, begin = reading.heard, time.monotonic()
-        asleep.set()
-        if c_sleeps:
-            c.dll.tml_wait(ctypes.byref(region), ctypes.c_uint32(heard), ctypes.c_double(1.0), 0)
+    def slept() -> float:
+        asleep, over = threading.Event(), list[float]()
+
+        def sleep() -> None:
+            heard, begin = reading.heard, time.monotonic()
+            asleep.set()
+            if c_sleeps:
+                c.dll.tml_wait(ctypes.byref(region), ctypes.c_uint32(heard), ctypes.c_double(1.0), 0)
+            else:
+                reading.wait(heard, 1.0)
+            over.append(time.monotonic() - begin)
+
+        sleeper = threading.Thread(target=sleep)
+        sleeper.start()
+        asleep.wait()
+        time.sleep(0.1)
+        if c_sleeps:  # which Python wakes
+            with closing(Region(c.layout, "cycles", str(tmp_path / "one.cycles"), True)) as writing:
+                writing.put("tick", bytearray(48))
         else:
-            reading.wait(heard, 1.0)
-        over.append(time.monotonic() - begin)
+            c.dll.tml_put(ctypes.byref(region), c.box("cycles", "tick"), c.room(bytes(48)))
+        sleeper.join()
+        return over[0]
 
-    sleeper = threading.Thread(target=sleep)
-    sleeper.start()
-    asleep.wait()
-    time.sleep(0.1)
-    if c_sleeps:  # which Python wakes
-        with closing(Region(c.layout, "cycles", str(tmp_path / "one.cycles"), True)) as writing:
-            writing.put("tick", bytearray(48))
-    else:
-        c.dll.tml_put(ctypes.byref(region), c.box("cycles", "tick"), c.room(bytes(48)))
-    sleeper.join()
-    assert 0.05 < over[0] < 0.9
+    # Whoever is to wake may come late where much else runs.
+    assert any(0.05 < slept() < 0.9 for _ in range(4))
     reading.close()
 
 
