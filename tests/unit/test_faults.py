@@ -177,7 +177,7 @@ def test_changes_of_time_and_judge() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "part"),
     [
-        ("trackmarshal-faults", "trackmarshal-scenario", "no campaign"),
+        ("trackmarshal-faults", "trackmarshal-scenario", "'trackmarshal-scenario' is not 'trackmarshal-faults'"),
         ("version: 1", "version: 2", "out of range"),
         ("lead: 0.3\n", "", "`lead` is missing"),
         ("    title: too fast\n", "", "`title` is missing"),

@@ -7,6 +7,7 @@ import math
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
@@ -20,6 +21,8 @@ from support.envelope import same_lane
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.scenarios import recording_io
+from trackmarshal.scenarios.faults import declaration as campaigns
+from trackmarshal.scenarios.field import mapping
 from trackmarshal.scenarios.generate import __main__ as command
 from trackmarshal.scenarios.generate import generate, road
 from trackmarshal.scenarios.generate import run as generating
@@ -416,6 +419,13 @@ def test_another_document_is_told_by_its_format(name: str) -> None:
     """Its first key that no scenario has was "not known", with a list of those that one has."""
     with pytest.raises(TrackmarshalError, match=r"format: 'trackmarshal-.*' is not 'trackmarshal-scenario'"):
         generate(SPECS / name)
+
+
+@pytest.mark.parametrize("read", [mapping.read, lambda path: campaigns.load(path, str(path))])
+def test_a_scenario_is_no_mapping_and_no_campaign(read: Callable[[Path], object]) -> None:
+    """Its first key was "not known" to these, too."""
+    with pytest.raises(TrackmarshalError, match="format: 'trackmarshal-scenario' is not 'trackmarshal-"):
+        read(SPECS / "scenarios" / "cut_in.yaml")
 
 
 @pytest.mark.parametrize(

@@ -69,9 +69,8 @@ class Campaign:
 def load(path: Path, shown: str) -> Campaign:
     """Read a campaign; raises D120, D124, D126, D150 or D151."""
     item = document.read(content.read(path, shown), shown)
+    item.expect("trackmarshal-faults")
     fields = item.fields(("format", "version", "name", "recording", "lead", "faults"))
-    if fields["format"].text() != "trackmarshal-faults":
-        raise fields["format"].wrong("this is no campaign of faults", "`format: trackmarshal-faults`")
     fields["version"].count(1, 1)
     faults = tuple(_fault(each) for each in fields["faults"].items())
     ids = [fault.id for fault in faults]

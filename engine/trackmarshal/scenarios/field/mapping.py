@@ -127,11 +127,11 @@ def read(path: Path, shown: str | None = None) -> Mapping:
 
 
 def _mapping(root: Item, path: Path) -> Mapping:
+    root.expect(FORMAT)
     top = root.fields(
         ("format", "version", "name", "columns", "track", "vehicle", "plan", "emergency"),
         ("log", "delimiter", "pose", "time", "use", "smoother", "noise", "gaps", "findings", "hold", "given"),
     )
-    top["format"].choice((FORMAT,))
     if top["version"].count(0, 10**6) != VERSION:
         raise top["version"].wrong("this version is not known", f"known is {VERSION}", "D143")
     columns, zero, sign = _columns(top["columns"])

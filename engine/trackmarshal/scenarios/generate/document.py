@@ -130,6 +130,12 @@ class Item:
                 raise self.wrong(f"`{key}` is missing", f"see {self._page}")
         return found
 
+    def expect(self, format_: str) -> None:
+        """The document does not say that it has another format: of such a one, no key is known."""
+        said = self.any_fields().get("format")
+        if said is not None and said.text() != format_:
+            raise said.wrong(f"{said.text()!r:.40} is not {format_!r}", "is it the right file?")
+
     def any_fields(self) -> dict[str, Item]:
         """The items of a map with any keys, each once."""
         if self._node.id != "mapping":

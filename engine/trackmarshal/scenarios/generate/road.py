@@ -169,10 +169,8 @@ def load(path: Path, shown: str, widenings: tuple[Widening, ...] = ()) -> Road:
 
 
 def expect(item: Item, format_: str, needed: Iterable[str], optional: Iterable[str]) -> dict[str, Item]:
-    """The fields of a document, which says that it has this format, in the one version there is. Of another one, no key is known."""
-    said = item.any_fields().get("format")
-    if said is not None and said.text() != format_:
-        raise said.wrong(f"{said.text()!r:.40} is not {format_!r}", "is it the right file?")
+    """The fields of a document, which says that it has this format, in the one version there is."""
+    item.expect(format_)
     fields = item.fields(("format", "version", *needed), optional)
     fields["version"].count(1, 1)
     return fields
