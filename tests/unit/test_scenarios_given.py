@@ -488,6 +488,25 @@ def test_a_table_holds_the_last_row_that_has_begun(table: list[tuple[int, int]],
     assert found == [value for t, value in table if t <= tenths][-1]
 
 
+def test_the_first_row_holds_before_zero_too() -> None:
+    """Stamps of an archive may be negative: there, the last row held."""
+    assert read_given("x", read(b"at: {0 s: 5, 3 s: 6}", "x.yaml")).over([-1.0, 0.0, 3.0]) == [5, 5, 6]
+
+
+@pytest.mark.parametrize(
+    ("table", "part", "help_"),
+    [
+        ("{0 s: 5, 12 s: 6}", "from 0 s on", "the first row is what holds in the first cycle"),
+        ("{0 s: 5, 1700000001 s: 6}", "from 1700000001 s on", "move the row, or leave it out"),
+    ],
+)
+def test_a_row_of_no_cycle_is_told_stamps_that_count_from_1970(table: str, part: str, help_: str) -> None:
+    """They were 1.7e+09; and the row of `0 s`, which cannot be left out, was to be."""
+    with pytest.raises(TrackmarshalError, match=part) as caught:
+        read_given("x", read(f"at: {table}".encode(), "x.yaml")).over([1.7e9, 1.7e9 + 0.5])
+    assert caught.value.help == f"cycles are from 1700000000 to 1700000000.5 s: {help_}"
+
+
 words = st.text(st.characters(blacklist_categories=["Cs", "Z", "Cc"]), min_size=1, max_size=5)
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.scenarios.generate.document import Item
+from trackmarshal.units import moment
 
 _TIME = re.compile(r"(\d+(?:\.\d+)?) s")
 _HOW = "one of `value`, `at` (`{0 s: .., 12 s: ..}`), `is` (an expression) and, of an archive, `column`"
@@ -49,14 +50,18 @@ class Given:
         return self.values[self._row(t)]
 
     def _row(self, t: float) -> int:
-        return bisect_right(self.times, t + _SLACK) - 1
+        return max(0, bisect_right(self.times, t + _SLACK) - 1)
 
     def over(self, times: Sequence[float]) -> list[Any]:
         """The value at each time [s], of a table; raises D251 where a row holds at none of them: what it declares would never be."""
         idle = set(range(len(self.times))) - {self._row(t) for t in times}
         if idle:
-            message = f"no cycle has the value from {self.times[min(idle)]:g} s on"
-            help_ = f"cycles are from {times[0]:g} to {times[-1]:g} s: move the row, or leave it out"
+            row = min(idle)
+            message = f"no cycle has the value from {moment(self.times[row])} s on"
+            what = (
+                "move the row, or leave it out" if row else "the first row is what holds in the first cycle"
+            )
+            help_ = f"cycles are from {moment(times[0])} to {moment(times[-1])} s: {what}"
             raise self.item.wrong(message, help_, "D251")
         return [self.at(t) for t in times]
 

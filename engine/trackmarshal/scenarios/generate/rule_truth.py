@@ -10,6 +10,7 @@ from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.generate.words import Specs, Words, values
 from trackmarshal.scenarios.labels import Label
 from trackmarshal.scenarios.recording import CANDIDATES, TRUTHS, Recording
+from trackmarshal.units import moment
 
 _SLACK = 1e-9
 #: Stretches [from, to] in s, both included, or an expression.
@@ -113,5 +114,9 @@ def _cycles(when: When, label: Label, recording: Recording, specs: Specs) -> lis
     times = [cycle.t for cycle in recording.cycles]
     for begin, end, item in when:
         if not any(begin - _SLACK <= t <= end + _SLACK for t in times):
-            raise item.wrong("no cycle lies in this stretch", f"cycles are from 0 to {times[-1]:g} s", "D255")
+            raise item.wrong(
+                "no cycle lies in this stretch",
+                f"cycles are from {moment(times[0])} to {moment(times[-1])} s",
+                "D255",
+            )
     return [any(begin - _SLACK <= t <= end + _SLACK for begin, end, _ in when) for t in times]
