@@ -21,6 +21,9 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
 from trackmarshal.scenarios import content
+from trackmarshal.scenarios.faults.campaign import Bench
+from trackmarshal.scenarios.faults.declaration import Campaign, Fault
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.run_record import run_record
 
 #: Five cycles of a small spec, the third missing, with snapshots after two and four; written when rows did not say their places yet.
@@ -295,7 +298,7 @@ def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
     recording = tm.load_recording(record)
     assert [c.t for c in recording.cycles] == [0.0, 0.1, 0.4]
     assert recording.notes == (
-        "cycles are missing before the one at 0.4 s: rules over the run take those that are left for all that there were",
+        "cycles are missing before the one at 0.4 s",
         "2 of 5 cycles of the record are left out",
     )
     assert recording.cycles[1].candidates["driving"]["x"] == cycle(1).driving["x"].tolist()
@@ -322,23 +325,53 @@ def test_each_cycle_of_a_record_has_the_obstacles_that_stood_there(tmp_path: Pat
     assert [each.safe for each in outcome.cycles] == [True, True, False, True]
 
 
-def test_a_record_of_rules_about_no_track_is_evidence_too(tmp_path: Path) -> None:
-    """Its cycles have no borders: `assess` ended in an internal error (KeyError) where it drew the run."""
+def of_bare_cycles(
+    folder: Path, rule: str, numbers: list[int | None]
+) -> tuple[tm.Spec, Recording, list[list[str]]]:
+    """A spec of one rule about no track, a record as a recording, and the verdicts of the cycles that are in it; None: nothing came in a step."""
     text = "module bare\nsignal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }\n"
-    text += "signal ego : state { x: m, y: m, heading: rad, v: m/s }\nrule slow for all p in plan require p.v <= 50 m/s\n"
-    (tmp_path / "bare.spec").write_text(text, encoding="utf-8")
-    spec, now = tm.load([tmp_path / "bare.spec"]), 0.0
-    supervisor = tm.supervisor(spec, clock=lambda: now, record=tmp_path / "run.arrows")
-    for number in range(3):
-        now = number * PERIOD
+    text += f"signal ego : state {{ x: m, y: m, heading: rad, v: m/s }}\nrule only {rule}\n"
+    (folder / "bare.spec").write_text(text, encoding="utf-8")
+    spec, now = tm.load([folder / "bare.spec"]), 0.0
+    supervisor = tm.supervisor(spec, clock=lambda: now, record=folder / "run.arrows")
+    said = []
+    for number in numbers:
+        if number is None:
+            now += 0.5 * PERIOD
+            supervisor.step(None)
+            continue
         given = cycle(number)
+        now = given.t
         ego, driving, emergency = (
             {name: each[name] for name in ("t", "x", "y", "heading", "v") if name in each}
             for each in (given.signals["ego"], given.driving, given.emergency)
         )
-        supervisor.step(tm.Cycle(number, given.t, driving, emergency, {"ego": ego}))
+        decision = supervisor.step(tm.Cycle(number, given.t, driving, emergency, {"ego": ego}))
+        if not decision.faults:
+            said.append([each.verdict for each in decision.violations])
     supervisor.close()
-    recording = tm.load_recording(tmp_path / "run.arrows")
+    return spec, tm.load_recording(folder / "run.arrows"), said
+
+
+def test_cycles_that_are_missing_are_missing_to_rules_over_the_run(tmp_path: Path) -> None:
+    """The cycles beside a gap were taken for neighbours, and of a step in which nothing came, whose number the next cycle has, nothing was said."""
+    steps = [0, 1, 2, 4, 5, 6, None, 7, 8]
+    spec, recording, said = of_bare_cycles(tmp_path, "require not (previous ego.x > ego.x)", steps)
+    assert [each.missing for each in recording.cycles] == [0, 0, 0, 2, 0, 1, 0]
+    assert recording.notes[0] == "cycles are missing before the one at 0.5 s, and before 1 later ones"
+    outcome = tm.replay(recording, tm.Evaluator(spec))
+    assert [
+        [one.verdict for rated in each.results.values() for one in rated.against] for each in outcome.cycles
+    ] == said
+    assert said[3] == said[5] == ["undefined"] * 2
+    fault = Fault("none", "", "", 0.0, 0.8, (), None, "", 1, "")
+    found = Bench(recording, tm.Evaluator(spec)).run(Campaign("gaps", "", 0.0, (fault,)), fault)
+    assert (found.first, found.last) == (recording.cycles[3].t, recording.cycles[5].t)
+
+
+def test_a_record_of_rules_about_no_track_is_evidence_too(tmp_path: Path) -> None:
+    """Its cycles have no borders: `assess` ended in an internal error (KeyError) where it drew the run."""
+    spec, recording, _ = of_bare_cycles(tmp_path, "for all p in plan require p.v <= 50 m/s", [0, 1, 2])
     assert (len(recording.cycles), recording.notes) == (3, ())
     evaluator = tm.Evaluator(spec)
     outcome = tm.replay(recording, evaluator)

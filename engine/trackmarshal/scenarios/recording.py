@@ -31,7 +31,7 @@ class Cycle:
 
     t in s. ego: x, y, heading, v, mostly also kappa and a. objects: each with a text `id`, x, y, heading, v,
     length, width, mostly also age. candidates: columns by name, see CANDIDATES and COLUMNS. more: any other signal that a spec declares, by name. obstacles: those of
-    this cycle, where they are others than those of the recording.
+    this cycle, where they are others than those of the recording. missing: how many cycles of the run, before it, are not in the recording.
     """
 
     t: float
@@ -40,6 +40,7 @@ class Cycle:
     candidates: dict[str, Columns]
     more: dict[str, Any] = field(default_factory=dict)
     obstacles: list[dict[str, Any]] | None = None
+    missing: int = 0
 
 
 def only(cycle: Cycle, name: str) -> Cycle:

@@ -19,6 +19,7 @@ from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.door import Admission, Door
 from trackmarshal.runtime.door.lines import line as line_of
+from trackmarshal.runtime.driven import MOST_LOST
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
@@ -86,7 +87,7 @@ def supervised(
     given = list(cycles(recording, further_names(recording, evaluator)))
     chunks = watch([given[i : i + _CHUNK] for i in range(0, len(given), _CHUNK)])
     if any(map(remembers, evaluator.rules)):
-        yield from _in_step(supervisor, clock, chunks)
+        yield from _in_step(recording, supervisor, clock, chunks)
         return
     ahead = _Ahead(supervisor)
     for chunk in chunks:
@@ -125,6 +126,7 @@ def run_until(
     supervisor = box.supervisor(box.open_loop, clock.read)
     kept = supervisor.program = Keeping(supervisor.program)
     steps = _in_step(
+        recording,
         supervisor,
         clock,
         ([cycle] for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1)),
@@ -136,8 +138,14 @@ def run_until(
     return judged, before, missing
 
 
+def pass_gap(recording: Recording, supervisor: Supervisor, place: int) -> None:
+    """Rules that remember are told of cycles of the run that are missing before one, by its place in the recording."""
+    if missing := recording.cycles[place].missing:
+        supervisor.memory = supervisor.program.missed(supervisor.memory, missing)
+
+
 def _in_step(
-    supervisor: Supervisor, clock: _Clock, chunks: Iterable[Sequence[Cycle]]
+    recording: Recording, supervisor: Supervisor, clock: _Clock, chunks: Iterable[Sequence[Cycle]]
 ) -> Iterator[tuple[float, Judged, Decision]]:
     """Cycle by cycle: what is remembered of one depends on what was decided in it. What does not is evaluated for a chunk at once."""
     door, program = _Admitted(supervisor.door), supervisor.program
@@ -148,6 +156,7 @@ def _in_step(
             program.ahead(frames)
         for cycle, frame in zip(chunk, frames):
             clock.now = cycle.t
+            pass_gap(recording, supervisor, cycle.number)
             opened = supervisor.open(cycle)
             # Before the cycle is remembered as a gap: what remembers is never asked again about what it has left behind.
             refused = program.judge(supervisor.memory, shown(frame)) if opened.faults else None
@@ -246,10 +255,11 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     obstacles: list[dict[str, Any]] = []
     notes: list[str] = []
     last: int | None = None
-    gaps: list[float] = []
+    since = 0  # rows that are left out
     for one in run.cycles:
         cycle = one.cycle
         if type(cycle) is not Cycle or one.value("faults") != "[]":
+            since += 1
             continue
         signals = _plain(cycle.signals)
         given, standing = signals.get("track") or _NO_TRACK, _elements(signals.get("obstacles"))
@@ -258,9 +268,9 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             break
         if not kept:
             track, obstacles = dict(given), standing
-        if last is not None and cycle.number != last + 1:
-            gaps.append(cycle.t)
-        last = cycle.number
+        # Numbers tell of those that were lost on the way, and rows of steps that got none.
+        missing = 0 if last is None else min(max(since, cycle.number - last - 1), MOST_LOST)
+        last, since = cycle.number, 0
         kept.append(
             RecordedCycle(
                 cycle.t,
@@ -269,6 +279,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
                 {DRIVING: _plain(cycle.driving), EMERGENCY: _plain(cycle.emergency)},
                 {name: value for name, value in signals.items() if name not in ELSEWHERE},
                 None if standing == obstacles else standing,
+                missing,
             )
         )
     if not kept:
@@ -277,11 +288,10 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
         )
     if any(cycle.obstacles is not None for cycle in kept):
         notes.append("its obstacles are not the same in all cycles; drawn are those of the first one")
+    gaps = [cycle.t for cycle in kept if cycle.missing]
     if gaps:
         more = f", and before {len(gaps) - 1} later ones" if len(gaps) > 1 else ""
-        notes.append(
-            f"cycles are missing before the one at {moment(gaps[0])} s{more}: rules over the run take those that are left for all that there were"
-        )
+        notes.append(f"cycles are missing before the one at {moment(gaps[0])} s{more}")
     if run.damage:
         notes.append(run.damage)
     left_out = len(run.cycles) - len(kept)

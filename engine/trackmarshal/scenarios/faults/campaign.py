@@ -24,7 +24,7 @@ from trackmarshal.scenarios.faults.moment import Moment
 from trackmarshal.scenarios.fields import check_track, further_names
 from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import Recording
-from trackmarshal.scenarios.supervised import cycles
+from trackmarshal.scenarios.supervised import cycles, pass_gap
 from trackmarshal.supervision import limits_with, rulebox
 from trackmarshal.units import moment as stamp
 
@@ -73,6 +73,7 @@ class Bench:
         self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = limits_with(evaluator.spec, {}, self._box.settings) if limits is None else limits
         self._evaluated = _satisfied(evaluator.rules)
+        self._recording = recording
         self._cycles = list(cycles(recording, further_names(recording, evaluator)))
         self._judging = Judging(evaluator.program)
 
@@ -110,6 +111,7 @@ class Bench:
         for cycle in self._cycles:
             if not begin <= cycle.t <= end:
                 continue
+            pass_gap(self._recording, supervisor, cycle.number)
             moment = Moment.of(cycle)
             if fault.begin - _SLACK <= cycle.t <= fault.end + _SLACK:
                 touched = True
