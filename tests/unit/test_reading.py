@@ -386,6 +386,19 @@ def test_what_is_raised_to_a_power_is_said_apart(tmp_path: Path) -> None:
     assert len(set(said)) == len(powers)
 
 
+def test_what_a_machine_remembers_is_raised_by_its_letter(tmp_path: Path) -> None:
+    """ "The u that the role of o remembers to the power of 4" was heard of what is remembered to a power."""
+    rule, spec = rule_of(
+        tmp_path,
+        "state role : { free, final gone } for each o in objects starts free\n  becomes gone when o.v > 9 m/s remember u = o.v / (1 m/s)\n"
+        'rule r "r"\n  for all o in objects\n  require role(o).u^4 <= 3\n',
+    )
+    assert tell(rule, spec, ENGLISH).demand == (
+        "For every o in objects: A to the power of 4 is at most 3.",
+        "Here, A is the u that the role of o remembers.",
+    )
+
+
 def test_what_is_denied_ends_where_the_denial_does(tmp_path: Path) -> None:
     """ "It is not so that condition A holds and the speed .." was heard as the denial of both, which demands less."""
     rule, spec = rule_of(

@@ -88,9 +88,9 @@ class Sentences(Phrases):
         match node:
             case typed.Literally():
                 return WHOLE if node.unit else NAMED
-            case typed.Pi() | typed.Parameter() | typed.Field() | typed.NamedNumber() | typed.Kept():
+            case typed.Pi() | typed.Parameter() | typed.Field() | typed.NamedNumber():
                 return NAMED
-            case typed.OnLine() | typed.Negative():
+            case typed.OnLine() | typed.Negative() | typed.Kept():
                 return WHOLE
             case typed.Power():  # "to the power of" stands last, where whatever is before it may be meant
                 return WHOLE if typed.whole_exponent(node.exponent) in _BEFORE else LISTED
