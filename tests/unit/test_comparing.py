@@ -373,9 +373,10 @@ rule warm "r"
     sides = [str(tmp_path / f"{name}.spec") for name in ("old", "new")]
     recording = replace(tm.load_recording(CUT_IN), use=(), params={}, tables={})
     write(recording, tmp_path / "r.tmrec.jsonl")
-    assert main(["diff", *sides, "--on", str(tmp_path / "r.tmrec.jsonl")]) == 0
-    notes = [line for line in capsys.readouterr().err.splitlines() if line.startswith("note:")]
-    assert notes == [f"note: {recording.name} shows nothing of `warm`: undefined in every cycle"]
+    for quiet in ([], ["--quiet"]):
+        assert main(["diff", *sides, "--on", str(tmp_path / "r.tmrec.jsonl"), *quiet]) == 0
+        notes = [line for line in capsys.readouterr().err.splitlines() if line.startswith("note:")]
+        assert notes == [f"note: {recording.name} shows nothing of `warm`: undefined in every cycle"]
 
 
 @pytest.mark.parametrize(

@@ -75,8 +75,7 @@ def run(args: argparse.Namespace) -> int:
             recording = load(path)
             old, new = (side.judge(recording, args.quiet) for side in sides)
             pairs.append(Pair(old, new))
-            if not args.quiet:
-                _note(old, new)
+            _note(old, new)  # also without progress: what is `equal` below rests on it
     made = compared(pairs, _renamed(args.renamed, pairs))
     if args.format == "json":
         print(to_json(made))
