@@ -140,6 +140,22 @@ def test_what_is_fixed_without_tests_and_recordings_is_in_its_declared_range() -
     assert made["fixed"] == [["ego.c", "5 m"]]
 
 
+@pytest.mark.parametrize(
+    ("ends", "limit", "shown"),
+    [("[5, 1e9]", ">= 3 m/s", (5.0, 7.5)), ("[1, 1e9] default 200 m/s", "<= 1e9 m/s", (100.0, 300.0))],
+)
+def test_without_a_range_that_says_much_a_picture_is_around_what_would_be_fixed(
+    ends: str, limit: str, shown: tuple[float, float]
+) -> None:
+    """It was around 0, also where that is beyond what may be: all of it violated, of a rule that always holds."""
+    compiled = compile_text(
+        f'module m\nsignal ego : state {{ v: m/s in {ends} }}\nrule r "r"\n  allow W301 because "made"\n  require ego.v {limit}\n'
+    )
+    ((_, made),) = drawings([compiled.spec.rules[0]], compiled.spec, [], [])
+    (axis,) = made["axes"]
+    assert (axis["low"], axis["high"]) == shown
+
+
 @pytest.mark.parametrize(("op", "hides"), [("!=", True), ("==", True), ("<=", False)])
 def test_a_demand_that_numbers_are_the_same_is_too_thin_to_be_drawn(op: str, hides: bool) -> None:
     """`!=` was drawn as met all over, without a word, and is violated on a line."""

@@ -99,10 +99,12 @@ def limits(demand: Demand, one: Quantity) -> tuple[float, float]:
 
 def span(demand: Demand, number: int, known: Known) -> tuple[float, float]:
     """From where to where an input is shown, in SI."""
-    values, to = known.of(number), limits(demand, demand.quantities[number])
+    one = demand.quantities[number]
+    values, to = known.of(number), limits(demand, one)
     if not values.size and 0.0 < to[1] - to[0] <= _WIDEST:
         return to  # nothing is known but between which values it lies
-    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    values = values if values.size else np.array([_typical(demand, number, one, known)])
+    low, high = float(values.min()), float(values.max())
     room = _ROOM * (high - low) if high > low else max(1.0, abs(high)) / 2.0
     return clipped((low - room, high + room), to)
 
