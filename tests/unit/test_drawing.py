@@ -156,6 +156,18 @@ def test_without_a_range_that_says_much_a_picture_is_around_what_would_be_fixed(
     assert (axis["low"], axis["high"]) == shown
 
 
+@pytest.mark.parametrize(("over", "hides"), [("v", False), ("w", False), ("lap", True)])
+def test_what_is_the_same_all_over_a_picture_is_not_too_thin_for_it(over: str, hides: bool) -> None:
+    """Of an input that is fixed, and of a parameter, a number is the same as another one, or is not, everywhere."""
+    compiled = compile_text(
+        "module m\nsignal ego : state { v: m/s in [0, 9], w: m/s in [0, 9], lap: 1 in [0, 9] }\nparam mode : 1 = 3\n"
+        'rule r "r"\n  require ego.lap == 3 or mode == 2 or ego.v <= ego.w\n'
+    )
+    against = "w" if over == "v" else "v"
+    ((_, made),) = drawings([compiled.spec.rules[0]], compiled.spec, [], [], None, over, against)
+    assert made["hides"] is hides
+
+
 @pytest.mark.parametrize(("op", "hides"), [("!=", True), ("==", True), ("<=", False)])
 def test_a_demand_that_numbers_are_the_same_is_too_thin_to_be_drawn(op: str, hides: bool) -> None:
     """`!=` was drawn as met all over, without a word, and is violated on a line."""

@@ -75,6 +75,12 @@ class Demand:
         """The parameters that it reads, by qualified names, in order of these."""
         return sorted({node.name for node in ir.below(self.body) if isinstance(node, ir.Param)})
 
+    def exact(self, axes: Sequence[int]) -> bool:
+        """Whether it asks for one of these inputs to be the same as something, which is so, or not so, on a line that no cell is as thin as."""
+        drawn = {self._fields[number] for number in axes}
+        same = (node for node in ir.below(self._alone) if isinstance(node, ir.Compare) and node.op in ("==", "!="))  # fmt: skip
+        return any(isinstance(part, ir.Column) and part.field in drawn for node in same for part in ir.below(node))  # fmt: skip
+
     def _param(self, name: str) -> Quantity:
         info = self.spec.params[name]
         if name not in self.params:

@@ -94,7 +94,7 @@ def drawn(demand: Demand, axes: Sequence[int], known: Known) -> dict[str, Any]:
         "boundary": [_rounded(line) for one in borders["broken"] for line in lines(one, HOLDS)],
         "tests": tests,
         "others": others,
-        "hides": grid.hides() or _exact(demand),
+        "hides": grid.hides() or demand.exact(axes),
         "recorded": None,
     }  # fmt: skip
     if known.recorded is not None:
@@ -174,12 +174,6 @@ def _unlike(plane: _Plane, fixed: Floats, test: Standing) -> list[str]:
         if number not in plane.axes and abs(here - there) > _SAME * max(abs(here), abs(there)):
             told.append(f"{one.label} = {_shown(demand, one, here)}")
     return told
-
-
-def _exact(demand: Demand) -> bool:
-    """Whether it asks for numbers that are the same, which is so, or not so, on a line that no cell is as thin as."""
-    asked_ = (node for node in ir.below(demand.body) if isinstance(node, ir.Compare))
-    return any(node.op in ("==", "!=") for node in asked_)
 
 
 def _axis(demand: Demand, number: int, span: tuple[float, float]) -> dict[str, Any]:
