@@ -621,3 +621,23 @@ def test_what_the_adapter_leaves_to_a_default_is_told() -> None:
     assert told.keys() == {"ego.boost"}  # no rule reads the other one
     assert told["ego.boost"].level == "note"
     assert told["ego.boost"].words.endswith("judged by no_boost")
+
+
+@pytest.mark.parametrize("objects", [None, []])
+def test_of_what_is_not_there_nothing_is_left_to_a_default(objects: list[Any] | None) -> None:
+    """The adapter hands on an empty set of what it did not find, and raises on cars that it does not know: no default is judged."""
+    text = OWN.replace("set of object { ", "set of object { age: s default 0 s, ")
+    text += "\nsignal obstacles : set of object { x: m, y: m, length: m default 1 m }\n"
+    rules = "".join(
+        f'rule {name} "r"\n  for all o in {signal}\n  require o.{field} <= 9 {unit}\n'
+        for name, signal, field, unit in (
+            ("fresh", "objects", "age", "s"),
+            ("short", "obstacles", "length", "m"),
+        )
+    )
+    own = tm.loads(text + rules)
+    cycles = [{name: one[name] for name in one if name != "objects"} for one in recorded()[0]]
+    if objects is not None:
+        cycles = [{**one, "objects": objects} for one in cycles]
+    told = {one.about for one in tm.check_planner(cycles, own).findings if "default" in one.words}
+    assert told == set()

@@ -315,8 +315,10 @@ def of_defaults(made: Mapped, spec: Spec, rules: Sequence[RuleInfo]) -> Iterator
         "objects": made.object_fields,
         "obstacles": made.obstacle_fields,
     }
+    # Of what is not there, nothing is left to a default: an empty set is handed on, or it is broken.
+    there = {"plan": made.driving, "ego": made.ego, "objects": made.objects, "obstacles": made.obstacles}
     for (signal, field), readers in with_default(spec, rules).items():
-        if field not in taken[signal]:
+        if there[signal] is not None and field not in taken[signal]:
             words = f"nothing is taken for it: the adapter leaves it to the spec's default, which is judged by {', '.join(readers)}"
             yield Finding(
                 "note", f"{signal}.{field}", words, "hand it on, unless the default is true of every cycle"
