@@ -121,6 +121,11 @@ def test_a_mapping_names_a_shipped_vehicle_by_its_module(tmp_path: Path) -> None
     assert any("friction limit of vehicles.av21" in note for note in by_name.recording.notes)
     with pytest.raises(TrackmarshalError, match=r"`vehicles\.none` is not there"):
         build(replace(file, vehicle="vehicles.none"), log)
+    own = where.parent / "vehicles" / "av21.spec"  # its `specs` is a link to those of this project
+    own.parent.mkdir()
+    own.write_text("module vehicles.av21\nparam mu : 1 = 1\n", "utf-8")
+    with pytest.raises(TrackmarshalError, match=r"`vehicles\.av21` is shipped, and another module"):
+        build(replace(file, vehicle="vehicles.av21"), log)
 
 
 def test_what_breaks_the_contract_in_many_cycles_is_one_firing(extract: tuple[Drive, Judgement]) -> None:

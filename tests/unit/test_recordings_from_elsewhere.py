@@ -10,6 +10,7 @@ import pytest
 
 from support.project import run_command
 from support.shared import REPOSITORY
+from trackmarshal.library import LIBRARY
 
 RECORDING = REPOSITORY / "specs" / "scenarios" / "free_lap.tmrec.jsonl"
 SPEC = """module small
@@ -84,6 +85,23 @@ def test_a_recording_may_name_a_shipped_vehicle_by_its_module(name: str, project
     status, _, err = run_command("replay", path, "--spec", "specs/small.spec")
     expected = {"vehicles.devbot": (0, ""), "vehicles.spec": (1, "")}.get(name, (2, "error[E432]"))
     assert (status, err.partition(":")[0]) == expected
+
+
+def test_a_shipped_module_of_which_the_project_has_another_one_is_not_guessed(project: Path) -> None:
+    """A rule's `use` of it is the project's own, and the recording's was the shipped one: of a car as long as ours, 4.7 m were judged."""
+    small = Path("specs/small.spec")
+    small.write_text(small.read_text().replace("param v_max : m/s = 100 m/s", "use vehicles.devbot"))
+    own = Path("specs/vehicles/devbot.spec")
+    own.parent.mkdir(exist_ok=True)
+    own.write_bytes((LIBRARY / "vehicles" / "devbot.spec").read_bytes())
+    path = write("recordings/near/run.tmrec.jsonl", use=["vehicles.devbot"])
+    assert run_command("replay", path, "--spec", "specs/small.spec")[0] == 0  # a copy is no other one
+    own.write_text(own.read_text("utf-8").replace("= 4.7 m", "= 3.1 m"), "utf-8")
+    status, _, err = run_command("replay", path, "--spec", "specs/small.spec")
+    assert (status, err.partition(":")[0]) == (2, "error[E432]")
+    assert "`specs/vehicles/devbot.spec`" in err
+    path = write("recordings/near/run.tmrec.jsonl", use=["specs/vehicles/devbot.spec"])
+    assert run_command("replay", path, "--spec", "specs/small.spec")[0] == 0
 
 
 @pytest.mark.parametrize("name", OUTSIDE)

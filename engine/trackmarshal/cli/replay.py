@@ -22,7 +22,7 @@ from trackmarshal.cli.options import choose_backend, choose_rules
 from trackmarshal.cli.output import dump, number, plain, progress, rule_json, say, table
 from trackmarshal.cli.project import find_project, optional_project, project_of
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.library import shipped_values
+from trackmarshal.library import of_its_name, shipped_values
 from trackmarshal.runtime.verdict import decides
 from trackmarshal.units import beside, moment
 
@@ -42,7 +42,7 @@ CODES = {
     "E432": (
         "a recording names what is not its to name",
         "Recordings come from elsewhere, so what they name is not simply opened: `use` holds relative paths of .spec files inside the project "
-        "(without a project: inside the recording's folder), whatever links lie on the way, and modules of shipped vehicles and tracks, and nothing else.",
+        "(without a project: inside the recording's folder), whatever links lie on the way, and modules of shipped vehicles and tracks, where the project has no other one of that name, and nothing else.",
     ),
     "E433": (
         "a name that is no file name",
@@ -288,7 +288,15 @@ def _setting(name: str, recording: Recording, near: Path, project: Path | None) 
     """The configuration that a recording names: a spec of its project, or of the project at hand, or a shipped one; raises E431 and E432."""
     shipped = shipped_values(name)
     if shipped is not None and shipped.is_file():
-        return shipped
+        own = of_its_name(shipped, [near, *([] if project is None else [project])])
+        if own is None:
+            return shipped
+        raise TrackmarshalError(
+            "E432",
+            f"`use` names `{name}`, which is shipped, and another module of the project",
+            file=recording.source,
+            help=f"name the project's own one by its path, `{Path(os.path.relpath(own, project or near)).as_posix()}`",
+        )
     roots = [os.path.realpath(root) for root in (project, project_of(near) or near) if root is not None]
     folders = [] if PurePath(name).is_absolute() or "\0" in name else [near, project]
     places = [Path(os.path.realpath(folder / name)) for folder in folders if folder is not None]
@@ -302,7 +310,7 @@ def _setting(name: str, recording: Recording, near: Path, project: Path | None) 
             "E432",
             f"`use` names `{name}`, which is no spec of the project",
             file=recording.source,
-            help="name a .spec file inside the project, by a relative path; another one is given with --with",
+            help="name a .spec file inside the project, by a relative path, or a shipped one by its module, `vehicles.devbot`; another one is given with --with",
         )
     raise TrackmarshalError(
         "E431",

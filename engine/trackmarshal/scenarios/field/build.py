@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import digest
-from trackmarshal.library import shipped_values
+from trackmarshal.library import of_its_name, shipped_values
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field import candidates, smoother
@@ -212,9 +212,17 @@ def _braking(mapping: Mapping) -> Braking:
 def spec_of(mapping: Mapping, name: str) -> Path:
     """A spec that the mapping names, from its folder or one above it, as the project's, or a shipped one by its module; raises D178."""
     shipped = shipped_values(name)
-    if shipped is not None and shipped.is_file():
-        return shipped
     folder = mapping.folder.absolute()
+    if shipped is not None and shipped.is_file():
+        own = of_its_name(shipped, (folder, *folder.parents))
+        if own is None:
+            return shipped
+        raise TrackmarshalError(
+            "D178",
+            f"`{name}` is shipped, and another module of the project: {own}",
+            file=mapping.source,
+            help="name the project's own one by its path, from the mapping's folder or one above it",
+        )
     for place in (folder, *folder.parents):
         if (place / name).is_file():
             return place / name
