@@ -39,7 +39,7 @@ from trackmarshal.process.messages import Kind, LinkError, Message
 from trackmarshal.process.serving import build, shared_path, start
 from trackmarshal.process.shared_memory import Region, SharedMemory
 from trackmarshal.process.supervisor import RemoteSupervisor
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
 from trackmarshal.runtime.record import Record, read
@@ -220,6 +220,49 @@ def test_a_line_is_no_border_that_somebody_has_sent_before(rig: Rig) -> None:
     supervisor = RemoteSupervisor(spec, rules, rig.client, clock=lambda: rig.now, patience=PATIENCE)
     narrow = replace(given, signals={**given.signals, "track": lines})
     assert not supervisor.step(narrow).safe
+
+
+SEEN = """module m
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+signal objects : set of object { v: m/s } capacity 3
+rule seen ""
+  for all o in objects
+  require once[0 s, 1 s] o.v > 5 m/s
+"""
+
+
+@pytest.mark.parametrize("anew", [True, False])
+def test_what_is_known_of_elements_is_not_that_of_others_of_the_planner_before(anew: bool) -> None:
+    """Each RemoteSupervisor numbered its ids from 1 on, and the process remembers by numbers: what another object had done counted as this one's,
+    where a planner was started anew within a cycle, or made another RemoteSupervisor for its client."""
+    spec, now = tm.loads(SEEN), 0.0
+    plan = {
+        "t": [0.0, 1.0, 2.0],
+        "x": [0.0, 5.0, 7.0],
+        "y": [0.0] * 3,
+        "heading": [0.0] * 3,
+        "v": [10.0, 5.0, 0.0],
+    }
+
+    def clock() -> float:
+        return now
+
+    ego = {name: plan[name][0] for name in ("x", "y", "heading", "v")}
+    rules, limits = list(spec.rules), replace(Limits.of(spec), budget=1e3)
+    with Served(build(spec, rules, limits)) as served:
+        client = Client(served.program.layout, served.channel(), clock)
+        for number, (name, v) in enumerate([("a", 9.0), ("b", 0.0)]):
+            if number == 1 and anew:
+                client.close()
+                client = Client(served.program.layout, served.channel(), clock)
+            now = number * PERIOD
+            remote = RemoteSupervisor(spec, rules, client, limits, clock=clock, patience=PATIENCE)
+            objects = {"id": [name], "v": [v]}
+            given = Cycle(number, now, plan, plan, {"ego": ego, "objects": objects})
+            decision = remote.step(given)
+            assert decision.safe == (name == "a"), decision.reasons
+        client.close()
 
 
 @BOTH

@@ -94,6 +94,8 @@ class RemoteStepper:
         self.serial = client.cycles
         self._bordered: dict[int, _Points] = {}
         self._numbering = Numbering(lasting(source.plan.spec))
+        # What the process remembers of elements outlasts this side: another one's numbers, or a caller's, are none of these.
+        self._numbering.put({}, time.monotonic_ns())
         #: The stamp of the cycle that was asked about last [s].
         self._t: float | None = None
 
