@@ -371,6 +371,7 @@ def test_what_judges_none_of_the_rules_is_no_evidence(
         [] if inside is None else [("dynamic", inside)]
     )
     assert outcome.met is (inside is None)
+    assert outcome.uncovered == ("no_rush",)
     gone = replace(made.cycles[1], candidates={"driving": made.cycles[1].candidates["driving"]})
     lacking = replace(made, cycles=(made.cycles[0], gone, *made.cycles[2:]))
     unexpected = replay(lacking, Evaluator(load(["town.spec"]), ["no_rush"])).unexpected

@@ -172,7 +172,7 @@ def replay(
     )
     against = _against(recording, cycles, evaluator, tables)
     truths = tuple(_truths(recording, cycles, evaluator, against))
-    declared = {truth.kind for truth in truths}
+    declared = {truth.kind for truth in truths} | _kinds(recording)
     unexpected = tuple(_unexpected(recording, cycles, declared, evaluator, against))
     uncovered = tuple(_uncovered(recording, evaluator, declared))
     return Replay(recording, cycles, truths, ignored, unexpected, uncovered)
@@ -204,6 +204,14 @@ def _truths(
         alarms = tuple(t for t, safe, found in zip(times, truth, unsafe) if safe is True and found)
         judged = sum(value is not None for value in truth)
         yield TruthOutcome(kind, missed, alarms, judged, tuple(names), tuple(unsafe))
+
+
+def _kinds(recording: Recording) -> set[str]:
+    """The kinds that speak of the run, also where none of their rules is asked: of the input contract, and of what the other kind leaves out.
+    Where single rules are spoken of by name, those speak."""
+    if labels(recording) or recording.judged:
+        return set()
+    return {kind for kind, truth in recording.ground_truth.items() if not _is_open(truth)}
 
 
 def _is_open(truth: Iterable[bool | None]) -> bool:
@@ -262,13 +270,7 @@ def _unexpected(
     for name, label in labels(recording).items():
         if name in declared:
             own.setdefault(label.rule, []).append((name, label))
-    # Of the input contract, a kind speaks also where none of its rules is asked, unless single rules are spoken of by name.
-    by_name = bool(labels(recording) or recording.judged)
-    kinds = [
-        recording.ground_truth[kind]
-        for kind in TRUTHS
-        if kind in declared or not (by_name or _is_open(recording.ground_truth.get(kind, ())))
-    ]
+    kinds = [recording.ground_truth[kind] for kind in declared & set(TRUTHS)]
     for number, cycle in enumerate(cycles):
         by_rule = any(one.unsafe and one.rule in open_ for one in _said_against(cycle))
         by_rule = by_rule or any(
