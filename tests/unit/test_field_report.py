@@ -27,6 +27,7 @@ from trackmarshal.scenarios.field.header import header
 from trackmarshal.scenarios.field.judged import CONTRACT, Judgement, judge
 from trackmarshal.scenarios.field.limits import limits, params_of
 from trackmarshal.scenarios.field.report import data, report, residuals
+from trackmarshal.scenarios.replay import replay
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRACT = ROOT / "tests" / "field" / "lvms_25s.yaml"
@@ -311,6 +312,24 @@ def test_a_rule_over_the_run_sees_the_cycles_before(tmp_path: Path) -> None:
     assert found.result(one.worst[0], 0, 0).verdict == "violated"
     assert ["cycles before" in each.why for each in limits(found)] == [False, True]
     assert report(drive, found).rates[0].firings == 1
+
+
+def test_what_is_said_of_a_drive_is_what_a_replay_says(tmp_path: Path) -> None:
+    """And only of rules over the run it is kept: what was computed of every cycle was 40 kB each."""
+    where, file = drive_of(tmp_path)
+    text = "module recent\n\nuse supervisor.interface\n\nrule now require ego.v < 12 m/s\nrule before require not once[1 s, 2 s] ego.v > 12 m/s\n"
+    (tmp_path / "recent.spec").write_text(text, encoding="utf-8")
+    recording, evaluator = (
+        build(mapping.read(where), file).recording,
+        Evaluator(load([tmp_path / "recent.spec"])),
+    )
+    found = judge(recording, evaluator)
+    assert all(each.keys() == {("driving", 1), ("emergency", 1)} for each in found.in_step)
+    for place, cycle in enumerate(replay(recording, evaluator).cycles):
+        said = [[repr(found.result(place, one, rule)) for rule in (0, 1)] for one in (0, 1)]
+        assert said == [
+            [repr(each.rules[name]) for name in ("now", "before")] for each in cycle.results.values()
+        ]
 
 
 def test_parameters_of_a_rule_are_those_that_its_formula_reads() -> None:

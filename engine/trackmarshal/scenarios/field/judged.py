@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,7 +30,8 @@ CONTRACT = "input contract"
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """times (cycles,), s; codes (cycles, candidates, rules): places in VERDICTS; margins alike, in SI; faults: by cycle, what breaks the contract;
-    in_step: what was said of each cycle, where that depends on those before; empty where a cycle may be asked about by itself."""
+    in_step: by cycle, what rules over the run said of each candidate, by its name and the number of the rule; of the others, a cycle may be
+    asked about by itself."""
 
     evaluator: Evaluator
     times: Floats
@@ -38,7 +39,7 @@ class Judgement:
     codes: NDArray[np.uint8]
     margins: Floats
     faults: dict[int, str]
-    in_step: Sequence[Judged] = ()
+    in_step: Sequence[Mapping[tuple[str, int], RuleResult]] = ()
 
     @property
     def rules(self) -> list[str]:
@@ -58,10 +59,10 @@ class Judgement:
 
     def result(self, cycle: int, candidate: int, rule: int) -> RuleResult:
         """One outcome with its witness."""
-        if self.in_step:
-            judged = self.in_step[cycle]
-        else:
-            (judged,) = self.evaluator.judge_all([self.frames[cycle]])
+        known = self.in_step[cycle].get((CANDIDATES[candidate], rule)) if self.in_step else None
+        if known is not None:
+            return known
+        (judged,) = self.evaluator.judge_all([self.frames[cycle]])
         return judged.rated[CANDIDATES[candidate]].explain(rule, False)
 
 
@@ -71,11 +72,16 @@ def judge(
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
     tables, _ = known_tables(recording, evaluator.spec)
     times, number = np.array([cycle.t for cycle in recording.cycles]), len(evaluator.rules)
-    if any(map(remembers, evaluator.rules)):
+    over_run = [place for place, rule in enumerate(evaluator.rules) if remembers(rule)]
+    if over_run:
         # Asked about one frame by itself, they take it for the first and only cycle of a run.
-        steps = [judged for _, judged, _ in supervised(recording, evaluator, tables, watch)]
-        seen = [judged.about for judged in steps]
-        return Judgement(evaluator, times, seen, *_listed(steps, number), _breaches(seen), steps)
+        seen, parts, said = [], [], []
+        for _, judged, _ in supervised(recording, evaluator, tables, watch):
+            seen.append(judged.about)
+            parts.append(_listed([judged], number))
+            # All that was said would keep what was computed of each cycle: of an hour, gigabytes.
+            said.append({(name, rule): one.explain(rule, False) for name, one in judged.rated.items() for rule in over_run})  # fmt: skip
+        return Judgement(evaluator, times, seen, *_joined(parts, number), _breaches(seen), said)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     door = box.supervisor(box.open_loop).door
     frames = [
@@ -101,6 +107,12 @@ def rated(
         _listed(program.judge_all(frames[start : start + CHUNK]), rules)
         for start in watch(range(0, len(frames), CHUNK))
     ]
+    return _joined(parts, rules)
+
+
+def _joined(
+    parts: Sequence[tuple[NDArray[np.uint8], Floats]], rules: int
+) -> tuple[NDArray[np.uint8], Floats]:
     codes, margins = zip(*parts or [_listed([], rules)])
     return np.concatenate(codes), np.concatenate(margins)
 
