@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from support import field_logs
 from support.schemas import hold
@@ -434,6 +435,14 @@ def test_a_mapping_is_known_however_yaml_writes_its_format(tmp_path: Path, said:
     with pytest.raises(TrackmarshalError, match="this file of the mapping is not here") as found:
         load_recording(tmp_path / "map.yaml")
     assert found.value.code == "D178"
+
+
+def test_a_mapping_that_a_program_wrote_as_json_is_known(tmp_path: Path) -> None:
+    """Which is YAML, too: with a comma behind its format, it was a scenario."""
+    text = json.dumps(yaml.safe_load(EXTRACT.read_text("utf-8")), indent=2)
+    (tmp_path / "map.yaml").write_text(text)
+    with pytest.raises(TrackmarshalError, match="this file of the mapping is not here"):
+        load_recording(tmp_path / "map.yaml")
 
 
 def test_a_kept_run_is_of_what_the_mapping_alone_says(

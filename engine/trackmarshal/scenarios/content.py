@@ -48,7 +48,9 @@ def read(path: Path, shown: str, most: int | None = None, help_: str = "") -> by
 
 def is_of(data: bytes, format: str) -> bool:
     """Whether a YAML text says of itself that it is of a format, in quotes or not; a byte order mark may stand before it."""
-    said = re.compile(rb"""\s*(['"]?)format\1\s*:\s+(['"]?)%s\2\s*(\s#.*)?""" % re.escape(format.encode()))
+    said = re.compile(
+        rb"""\s*(['"]?)format\1\s*:\s+(['"]?)%s\2(\s*,)?\s*(\s#.*)?""" % re.escape(format.encode())
+    )
     lines = data.removeprefix(codecs.BOM_UTF8).splitlines()
     return any(said.fullmatch(line) for line in lines[:200])
 
