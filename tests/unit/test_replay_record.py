@@ -25,6 +25,7 @@ from trackmarshal.scenarios.faults.campaign import Bench
 from trackmarshal.scenarios.faults.declaration import Campaign, Fault
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.run_record import run_record
+from trackmarshal.scenarios.supervised import run_until
 
 #: Five cycles of a small spec, the third missing, with snapshots after two and four; written when rows did not say their places yet.
 OLD = Path(__file__).parent / "version_2.arrows.gz"
@@ -364,6 +365,11 @@ def test_cycles_that_are_missing_are_missing_to_rules_over_the_run(tmp_path: Pat
         [one.verdict for rated in each.results.values() for one in rated.against] for each in outcome.cycles
     ] == said
     assert said[3] == said[5] == ["undefined"] * 2
+    explained = [run_until(recording, tm.Evaluator(spec), {}, place) for place in (3, 4)]
+    assert [([past.missed for past in before], missing) for _, before, missing in explained] == [
+        ([0] * 3, 2),
+        ([0] * 3 + [2], 0),
+    ]
     fault = Fault("none", "", "", 0.0, 0.8, (), None, "", 1, "")
     found = Bench(recording, tm.Evaluator(spec)).run(Campaign("gaps", "", 0.0, (fault,)), fault)
     assert (found.first, found.last) == (recording.cycles[3].t, recording.cycles[5].t)

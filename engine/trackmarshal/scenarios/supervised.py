@@ -133,7 +133,8 @@ def run_until(
     )
     for _ in islice(steps, place):
         pass
-    before, missing = list(kept.cycles), kept.missed_since
+    before = list(kept.cycles)
+    missing = kept.missed_since + recording.cycles[place].missing if before else 0
     _, judged, _ = next(steps)
     return judged, before, missing
 
