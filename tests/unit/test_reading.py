@@ -666,8 +666,8 @@ def test_a_definition_reads_of_the_record_that_it_is_given(tmp_path: Path) -> No
     assert told.demand[0].endswith("and limits.response (0.5 s) is at most wet.response (0.7 s).")
     assert told.definitions == (
         "The needed of v and l is v times the response of l plus the square of v divided by the braking of l.",
-        "limits has the response 0.5 s and the braking 4 m/s^2.",
-        "wet has the response 0.7 s and the braking 2 m/s^2.",
+        "Limits has the response 0.5 s and the braking 4 m/s^2.",
+        "Wet has the response 0.7 s and the braking 2 m/s^2.",
     )
     (clause,) = read(rule, spec, None, True).clauses
     assert text(clause.formula) == (

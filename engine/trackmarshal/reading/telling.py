@@ -190,7 +190,7 @@ def _settings(reached: Sequence[typed.Typed], spec: Spec, said: Sentences) -> It
             value = about(in_full(info.value, node.written or info.unit))
             records.setdefault(record, {})[name] = said.words.setting.format(a=called(name), b=value)
     for record, values in records.items():
-        yield f"{said.words.record.format(a=called(record), b=said.listed(list(values.values())))}."
+        yield _sentence(said.words.record.format(a=called(record), b=said.listed(list(values.values()))))
 
 
 def _machines(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[str]:
