@@ -651,6 +651,20 @@ def test_a_field_is_called_by_no_name_of_something_else(
     assert tell(rule, spec, ENGLISH).demand == (said,)
 
 
+def test_a_boolean_field_is_told_from_a_predicate_of_its_name(tmp_path: Path) -> None:
+    """“wet” holds for p exactly when “wet” holds for ego" was said of a shipped rule."""
+    rule, spec = rule_of(
+        tmp_path, 'predicate wet(p: moving) = ego.wet and p.v > 3 m/s\nrule r "r"\n  for all p in plan\n  require wet(p) and not ego.wet\n'
+    )  # fmt: skip
+    told = tell(rule, spec, ENGLISH)
+    assert told.demand == (
+        "For every sample p of plan: “wet” holds for p and the field “wet” does not hold for ego.",
+    )
+    assert told.definitions == (
+        "“wet” holds for p exactly when the field “wet” holds for ego and the speed of p is greater than 3 m/s.",
+    )
+
+
 def test_a_definition_reads_of_the_record_that_it_is_given(tmp_path: Path) -> None:
     """What `needed` comes to was shown as made of `limits`, also where it is given `wet`, of which the values were said nowhere."""
     rule, spec = rule_of(

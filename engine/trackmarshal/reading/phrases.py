@@ -14,12 +14,12 @@ from trackmarshal.syntax import ast
 class Phrases:
     """Phrases for the things of one rule. What an author named is called by that name.
 
-    shared: names of several things, in modules that do not see each other. measured: names of definitions and machines, which are "of" something too.
+    shared: names of several things, in modules that do not see each other. measured: names of definitions and machines, which are "of" something, or hold for it, too.
     """
 
     def __init__(self, words: Words, shared: frozenset[str], measured: frozenset[str]) -> None:
         self.words = words
-        self.shared, self._measured = shared, measured
+        self.shared, self.measured = shared, measured
 
     def short(self, symbol: typed.Symbol) -> str:
         """A declared name without its module, or with it where the rule knows another thing by that name."""
@@ -64,9 +64,9 @@ class Phrases:
         """`the speed of p`: what a field is called where its name and its dimension say so, and nothing else is called so; else by its name."""
         kind = record.shape.get(name)
         known = self.words.fields_.get((name, kind)) if isinstance(kind, tuple) else None
-        if known is None or (known != name and (known in record.shape or known in self._measured)):
+        if known is None or (known != name and (known in record.shape or known in self.measured)):
             known = called(name)
-        said = self.words.own_field if name in self._measured else self.words.field
+        said = self.words.own_field if name in self.measured else self.words.field
         return said.format(a=known, b=self.record(record))
 
     def member(self, node: typed.AnyMember) -> str:

@@ -331,7 +331,8 @@ class Sentences(Phrases):
             case typed.Event():
                 return words.holds[deny].format(a=plain(self.short(node.symbol)))
             case typed.BooleanField():
-                return words.holds_for[deny].format(a=plain(node.name), b=self.record(node.record))
+                said = words.own_holds_for if node.name in self.measured else words.holds_for
+                return said[deny].format(a=plain(node.name), b=self.record(node.record))
             case typed.Comparison():
                 return self._compared(node.left, words.comparisons[node.op][deny], node.right)
             case typed.Within():

@@ -27,7 +27,9 @@ def tell(rule: RuleInfo, spec: Spec, words: Words) -> Told:
     assert rule.typed is not None, "a rule without a condition says nothing"
     reached = list(typed.below(rule.typed))
     measured = frozenset(
-        node.symbol.name for node in reached if isinstance(node, typed.CalledNumber | typed.Machine)
+        node.symbol.name
+        for node in reached
+        if isinstance(node, typed.CalledNumber | typed.CalledFormula | typed.Machine)
     )
     said = Sentences(words, spec.params, frozenset(_names(reached)), _shared(reached, spec), measured)
     demand = tuple(_demand(rule.typed, said))

@@ -59,6 +59,8 @@ class Words(Node):
     of_several: str
     holds: tuple[str, str]
     holds_for: tuple[str, str]
+    #: Of a Boolean field beside a definition of its name.
+    own_holds_for: tuple[str, str]
     true: str
     false: str
     within: tuple[str, str]

@@ -36,6 +36,7 @@ ENGLISH = Words(
     kept="the {a} that {b} remembers", time_in="the time for which {a} has been as it is",
     of="the {a} of {b}", of_several="the {a} of {b}",
     holds=("“{a}” holds", "“{a}” does not hold"), holds_for=("“{a}” holds for {b}", "“{a}” does not hold for {b}"),
+    own_holds_for=("the field “{a}” holds for {b}", "the field “{a}” does not hold for {b}"),
     true="this always holds", false="this never holds",
     within=("{a} lies between {b} and {c}, both included", "{a} does not lie between {b} and {c}, both included"),
     in_zone=("{a} lies in the zone {b}", "{a} does not lie in the zone {b}"),
