@@ -651,6 +651,18 @@ def test_a_field_is_called_by_no_name_of_something_else(
     assert tell(rule, spec, ENGLISH).demand == (said,)
 
 
+def test_what_is_given_to_a_definition_has_one_name_in_its_sentence(tmp_path: Path) -> None:
+    """Of a shipped rule, "approach_other" was given, and “approach other” counted."""
+    rule, spec = rule_of(
+        tmp_path,
+        "define later(this_one: moving, how_long: s) -> m = this_one.v * how_long\n"
+        'rule r "r"\n  require later(ego, 2 s) <= 3 m\n',
+    )
+    assert tell(rule, spec, ENGLISH).definitions == (
+        "The later of “this one” and “how long” is the speed of “this one” times “how long”.",
+    )
+
+
 def test_a_boolean_field_is_told_from_a_predicate_of_its_name(tmp_path: Path) -> None:
     """“wet” holds for p exactly when “wet” holds for ego" was said of a shipped rule."""
     rule, spec = rule_of(

@@ -55,8 +55,10 @@ class Phrases:
             case typed.Sample():
                 which = self.words.first if node.index == 0 else self.words.last_sample
                 return which.format(a=self.signal(node.of))
-            case typed.Variable() | typed.NamedRecord():
+            case typed.Variable():
                 return node.name
+            case typed.NamedRecord():
+                return called(node.name)
             case _:
                 assert_never(node)
 

@@ -469,7 +469,7 @@ class Sentences(Phrases):
         name = called(self.short(node.symbol))
         if node.element is not None:
             assert isinstance(node.element, typed.NamedRecord)
-            name = self.words.of_each.format(a=name, b=node.element.name)
+            name = self.words.of_each.format(a=name, b=called(node.element.name))
         started = self.words.starts.format(a=name, b=states, c=plain(item.start.name))
         gap = bridged(item)
         return f"{started} {self.words.bridges.format(a=gap)}" if gap else started

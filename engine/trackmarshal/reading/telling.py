@@ -148,7 +148,7 @@ def _definitions(reached: Sequence[typed.Typed], said: Sentences) -> Iterator[st
         if not isinstance(node, typed.CalledNumber | typed.CalledFormula) or node.symbol.qualified in seen:
             continue
         seen.add(node.symbol.qualified)
-        given = parameters_of(node.symbol)
+        given = [called(name) for name in parameters_of(node.symbol)]
         if isinstance(node, typed.CalledNumber):
             name = called(said.short(node.symbol))
             head = words.of.format(a=name, b=said.listed(given)) if given else name
