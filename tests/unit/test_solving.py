@@ -308,7 +308,7 @@ def test_what_was_found_says_at_how_many_values_it_was_looked_for() -> None:
     evaluator = Evaluator(compiled.spec, backend="reference")
     assert evaluator.case({"signals": {"ego": {"v": 30.5}}}).rules["r"].verdict == "violated"
     _, found = solve(compiled.spec.rules[0], compiled.spec, prepare(compiled)[0], "v", ENGLISH)
-    assert found.said.endswith(": of 61 values that were looked at, the limit is kept everywhere.")
+    assert found.said.endswith(": as far as 61 values show, the limit is kept everywhere.")
 
 
 def test_what_a_rule_does_not_have_is_refused() -> None:

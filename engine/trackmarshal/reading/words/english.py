@@ -97,7 +97,7 @@ ENGLISH = Words(
         "absent": "a demand that it does not stand in", "comparison": "a demand that is no comparison of numbers", "equality": "a demand on equality",
         "unproved": "a formula that the reference evaluator does not confirm",
     },
-    found="With the inputs of the test “{a}” and {b} from {c} to {d}, the same everywhere: of {n} values that were looked at, the limit is kept {e}.",
+    found="With the inputs of the test “{a}” and {b} from {c} to {d}, the same everywhere: as far as {n} values show, the limit is kept {e}.",
     nowhere="nowhere", everywhere="everywhere", interval="from {a} to {b}", untested="There is no test with inputs in which it could be found, either.",
     fields_={
         ("v", SPEED): "speed", ("a", ACCELERATION): "acceleration", ("t", TIME): "time", ("s", LENGTH): "arc length", ("x", LENGTH): "x-coordinate",
