@@ -11,6 +11,8 @@ from trackmarshal.files import SETTLE, UNMERGED, fetching, read_regular, unmerge
 
 #: The largest spec file that is read. 10,000 lines are about 0.6 MB.
 MAX_BYTES = 4_000_000
+#: A comment, or a string, in which there is none.
+_COMMENT = re.compile(r'("(?:[^"\\\n]|\\.)*")|--[^\n]*')
 #: What messages call a spec that comes from no file.
 TEXT = "<text>"
 
@@ -125,6 +127,14 @@ class Span:
     @property
     def text(self) -> str:
         return self.file.text[self.start : self.end]
+
+    @property
+    def in_line(self) -> str:
+        """The text as one line, without comments, each of which would take all that follows with it."""
+        text = self.text
+        if "--" in text:
+            text = _COMMENT.sub(lambda found: found[1] or "", text)
+        return " ".join(text.split())
 
 
 def _in_word(char: str) -> bool:

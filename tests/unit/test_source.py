@@ -133,3 +133,16 @@ def test_spans() -> None:
     assert whole.word("require").to(whole.word("v")).text == "require v"
     one_line = Span(SourceFile("a.spec", "rule"), 0, 4)
     assert one_line.head.text == "rule"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ('gap(o, -- the near one, "so"\n  2 m) -- in all\n', "gap(o, 2 m)"),
+        ('o.near "a -- b" -- c "d"', 'o.near "a -- b"'),
+        ("a - b", "a - b"),
+    ],
+)
+def test_a_stretch_in_one_line_has_no_comments(text: str, shown: str) -> None:
+    """In one line, a comment takes what stands below it with it: `explain` said "by gap(o, -- the near one 2 m)"."""
+    assert Span(SourceFile("a.spec", text), 0, len(text)).in_line == shown

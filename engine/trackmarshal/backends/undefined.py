@@ -168,7 +168,7 @@ def _operation(root: ir.Formula, env: Env, values: Reference) -> str:
             found[f"`{_short(part, env, frame)}`{_with(part, env, values)} has no value"] = None
     if found:
         return _listed(sorted(found))
-    return f"`{' '.join(root.span.text.split())}` has no value" if hasattr(root, "span") else ""
+    return f"`{root.span.in_line}` has no value" if hasattr(root, "span") else ""
 
 
 def _parts_of(part: ir.Num) -> Iterable[object]:

@@ -69,7 +69,7 @@ def _told(levels: Sequence[Level], cycle: Cycle, env: Env) -> Iterator[str]:
             case typed.Whenever():
                 assert level.guard is not None
                 if not cycle.truth(level.guard, env).best.sat:
-                    yield f"{shortened(clause.span.text)}: does not hold"
+                    yield f"{shortened(clause.span)}: does not hold"
                     return
             case typed.ForEach():
                 if clause.quantifier == "exists":
@@ -87,7 +87,7 @@ def _parted(level: Level, cycle: Cycle, env: Env) -> tuple[list[Env], list[str]]
     """What variables stand for in range, and a line on what is not."""
     assert level.axis is not None
     assert isinstance(level.clause, typed.ForEach)
-    text = shortened(level.clause.span.text)
+    text = shortened(level.clause.span)
     count = cycle.values.count(level.axis)
     if not count:
         return [], [f"{text}: there is none in `{level.axis.signal}`"]

@@ -104,6 +104,6 @@ def _decided(
     if binders:
         lines.append("  decided at " + ", ".join(f"{name} = {index}" for name, index in binders.items()))
     if witness.span is not None:
-        lines.append(f"  by {witness.span}: {' '.join(witness.span.text.split())}")
+        lines.append(f"  by {witness.span}: {witness.span.in_line}")
     kept = kept_units(rule) if recalled_of(node) else {}
     return lines + [f"    {text} = {shown}" for text, shown in numbers(node, env, values, rule.names, kept)]

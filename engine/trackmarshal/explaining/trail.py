@@ -23,6 +23,7 @@ from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.reads import reads_itself
 from trackmarshal.runtime.kleene import TRUE, connect
 from trackmarshal.runtime.verdict import Truth, Witness
+from trackmarshal.source import Span
 from trackmarshal.units import moment
 
 if TYPE_CHECKING:
@@ -178,7 +179,7 @@ class Trail:
         self, node: ir.OverRun, side: int, chosen: Element | None, inside: Sequence[Element], ids: Ids, of_all: bool
     ) -> tuple[ir.Formula, int, Ids] | None:  # fmt: skip
         """On to the cycle that decided. of_all: as all of them would have, it the least of them."""
-        text, operand = shortened(node.span.text), node.operands[side]
+        text, operand = shortened(node.span), node.operands[side]
         if chosen is None:
             where = (
                 "there is no such cycle" if node.op in ("previous", "next") else "no cycle is in its window"
@@ -218,7 +219,7 @@ class Trail:
         times = ", ".join(map(at, reversed(sure))) or "in none"
         more = f", and perhaps in {doubtful} more" if doubtful else ""
         self.said.append(
-            f"{shortened(node.span.text)}: {len(sure)} ({times}{more}), to be compared with {limit:g}"
+            f"{shortened(node.span)}: {len(sure)} ({times}{more}), to be compared with {limit:g}"
         )
 
     def _in_state(self, node: ir.InState, k: int, ids: Ids) -> None:
@@ -256,9 +257,9 @@ def _deciding(values: Sequence[tuple[Truth, T]], wanted: str, least: bool) -> T 
     return (min if least else max)(fitting, key=lambda each: each[0])[1]
 
 
-def shortened(text: str) -> str:
+def shortened(span: Span) -> str:
     """A stretch of a spec in one line."""
-    text = " ".join(text.split())
+    text = span.in_line
     return text if len(text) <= _WIDTH else f"{text[: _WIDTH - 3]}..."
 
 

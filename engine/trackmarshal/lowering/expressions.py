@@ -78,7 +78,7 @@ class Lowering:
             case typed.CalledNumber():
                 inner = self._enter(node, site)
                 value = self.number(node.body, inner)
-                text = " ".join(node.span.text.split())
+                text = node.span.in_line
                 self._call(value, node.symbol.name, unit=show(node.dimension), text=text)
                 return value
             case typed.Parameter():

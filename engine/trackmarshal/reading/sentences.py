@@ -56,7 +56,7 @@ class Sentences(Phrases):
     def _letter(self, node: typed.Number | typed.Formula) -> str:
         key = (
             isinstance(node, typed.NumberNode),
-            " ".join(node.span.text.split()),
+            node.span.in_line,
         )  # one text is one thing where both stand
         known = self._lettered.get(key)
         if known is None:

@@ -645,7 +645,7 @@ def _behind(number: typed.Number) -> typed.Number:
 
 def _text(value: typed.Number) -> str:
     """What the author wrote, on one line."""
-    return " ".join(value.span.text.split())
+    return value.span.in_line
 
 
 def _operand(text: str, loose: re.Pattern[str]) -> str:

@@ -48,7 +48,7 @@ def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:
 
 def hint(value: typed.AnyMember, asked_for: str = "", op: str = "==") -> str:
     """What to write in place of a member that stands where a number or a formula belongs, or is compared with a word."""
-    written = " ".join(value.span.text.split())
+    written = value.span.in_line
     members = value.enumeration.members
     asks = f"{written} is {asked_for if asked_for in members else members[0]}"
     return (
@@ -73,7 +73,7 @@ def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
 
 def _otherwise(left: typed.Value, right: ast.Expr) -> str:
     """What to write for `braking is true`, or false, for `ego.lane is 1`, and for `o is ego`."""
-    written = " ".join(left.span.text.split())
+    written = left.span.in_line
     if isinstance(right, ast.Boolean) and isinstance(left, typed.FormulaNode):
         return f"write `{written}`" if right.value else f"write `not ({written})`"
     if isinstance(left, typed.NumberNode) and not isinstance(right, (ast.Boolean, ast.Name)):
