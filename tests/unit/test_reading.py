@@ -663,6 +663,24 @@ def test_what_is_given_to_a_definition_has_one_name_in_its_sentence(tmp_path: Pa
     )
 
 
+@pytest.mark.parametrize(
+    ("name", "shown"), [("b_rear", "low_down.b_rear"), ("too_far", "“low_down.too far”")]
+)
+def test_what_is_told_apart_by_its_module_is_called_as_elsewhere(
+    name: str, shown: str, tmp_path: Path
+) -> None:
+    """`b_rear` was “low down.b rear” beside another one of its name: of a module that there is not, and in other words."""
+    (tmp_path / "low_down.spec").write_text(
+        f"module low_down\nparam {name} : m = 3 m\npredicate close(x: m) = x < {name}\n", "utf-8"
+    )
+    (tmp_path / "mid.spec").write_text("module mid\nuse low_down\npredicate near(x: m) = close(x)\n", "utf-8")
+    head = f"module made\nuse mid\nsignal ego : state {{ x: m }}\nparam {name} : m = 4 m\n"
+    rule, spec = rule_of(tmp_path, f'rule r "r"\n  require near(ego.x) and ego.x > {name}\n', head)
+    assert tell(rule, spec, ENGLISH).definitions[1] == (
+        f"“close” holds for x exactly when x is less than {shown} (3 m)."
+    )
+
+
 def test_a_boolean_field_is_told_from_a_predicate_of_its_name(tmp_path: Path) -> None:
     """“wet” holds for p exactly when “wet” holds for ego" was said of a shipped rule."""
     rule, spec = rule_of(

@@ -162,9 +162,10 @@ class Phrases:
 
 
 def plain(name: str) -> str:
-    """A name as words, where its parts are words; `v_max` and `tol_s` stay as they are."""
-    parts = name.split("_")
-    return " ".join(parts) if min(len(parts[0]), len(parts[-1])) > 1 else name
+    """A name as words, where its parts are words; `v_max` and `tol_s` stay as they are, and so does the module before a name."""
+    module, dot, own = name.rpartition(".")
+    parts = own.split("_")
+    return f"{module}{dot}{' '.join(parts)}" if min(len(parts[0]), len(parts[-1])) > 1 else name
 
 
 def called(name: str) -> str:
