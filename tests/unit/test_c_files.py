@@ -25,6 +25,7 @@ from support.shared import SUPERVISOR
 from support.supervised import shipped
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c.calls import inexact
+from trackmarshal.backends.c.cycles import digest
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.report import complexity, libm, report
 from trackmarshal.backends.c.source import Source, generate
@@ -619,13 +620,14 @@ def test_what_is_compiled_otherwise_is_another_program(changed: tuple[str, str],
         'signal ego : state { x: m, y: m, heading: rad, v: m/s }\nrule slow ""\n  for all p in plan\n  require p.v <= 10 m/s\n'
     )
     assert changed[0] in text
-    numbers = []
+    numbers, files = [], []
     for written, name in ((text, "supervisor"), (text.replace(*changed), "car")):
         spec = loads(written)
-        header = generate(spec, list(spec.rules), name, doored=True).header
-        numbers += re.findall(r"#define TM_PROGRAM 0x([0-9a-f]{8})ul\n", header)
+        made = generate(spec, list(spec.rules), name, doored=True)
+        numbers += re.findall(r"#define TM_PROGRAM 0x([0-9a-f]{8})ul\n", made.header)
+        files.append(digest(made))  # by which a file of cycles is known, and a process
     assert len(numbers) == 2
-    assert (numbers[0] != numbers[1]) == other
+    assert (numbers[0] != numbers[1], files[0] != files[1]) == (other, other)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")

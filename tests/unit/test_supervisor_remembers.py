@@ -105,6 +105,22 @@ def test_cycles_that_were_lost_count_by_their_numbers(backend: str, saved: bool)
         assert said == {f"few_{most}" for most in range(missing)}
 
 
+@pytest.mark.parametrize(
+    ("before", "after"), [("in [-10, 150]", "in [-10, 40]"), ("v: m/s }\nsignal objects", "v: m/s default 0 }\nsignal objects")]
+)  # fmt: skip
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_what_was_saved_under_other_inputs_is_not_restored(backend: str, before: str, after: str) -> None:
+    """What is remembered was let in by another door; of the inputs, the spec's own fingerprint knows nothing."""
+    few = 'rule few "" require count(flag) <= 3\n'
+    rig = Rig(few, backend)
+    rig.step()
+    lines = whole(rig.supervisor.saving())
+    assert before in SIGNALS
+    with pytest.raises(TrackmarshalError, match="D164"):
+        Rig(few, backend, SIGNALS.replace(before, after)).supervisor.restore(lines)
+    Rig(few, backend).supervisor.restore(lines)
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_what_is_undefined_over_the_run_has_no_margin_that_is_shown(backend: str) -> None:
     """`margin nan 1` stood where a reason stands, of which there is none."""

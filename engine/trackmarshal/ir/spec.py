@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import TYPE_CHECKING, NamedTuple
 
 from trackmarshal.ir.nodes import IR, Axis, Formula, GridLookup, Lookup, Param, below
@@ -253,6 +254,13 @@ class Spec(Node):
     #: By SI unit what margins in it are divided by where they meet margins in other ones; units that are not there have 1.
     scales: tuple[tuple[str, float], ...] = ()
     courses: tuple[CourseInfo, ...] = ()
+
+    @property
+    def inputs(self) -> str:
+        """A hash of what it says of its inputs, of which its fingerprint knows nothing: signals with the kinds, ranges and defaults of their fields,
+        and events."""
+        said = repr([[signal for _, signal in sorted(self.signals.items())], sorted(self.events)])
+        return hashlib.sha256(said.encode()).hexdigest()
 
     def scale(self, rule: RuleInfo) -> float:
         """What the margin of a rule is divided by before it is compared with that of another one: 1 where it is a number of scales already."""

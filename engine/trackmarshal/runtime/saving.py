@@ -119,7 +119,7 @@ def meaning(
 ) -> str:
     """The hash of all that a snapshot rests on: the spec, the rules that are judged, what memory is made of, the values in force."""
     given = [
-        [VERSION, spec.fingerprint, list(rules), words],
+        [VERSION, spec.fingerprint, spec.inputs, list(rules), words],
         [[name, spelt(info.value)] for name, info in sorted(spec.params.items())],
         [[name, _rows(info.knots, info.values, *_more(info))] for name, info in sorted(spec.tables.items())],
         [[name, spelt(value)] for name, value in sorted(settings.params.items())],

@@ -53,8 +53,8 @@ class Arrival:
 
 
 def digest(source: Source) -> str:
-    """Tells programs apart by spec and rules: 16 hexadecimal digits."""
-    told = [source.plan.spec.fingerprint, *(code.rule.name for code in source.rules)]
+    """Tells programs apart by spec, with what it says of its inputs, and rules: 16 hexadecimal digits."""
+    told = [source.plan.spec.fingerprint, source.plan.spec.inputs, *(code.rule.name for code in source.rules)]
     return hashlib.sha256("\n".join(told).encode()).hexdigest()[:16]
 
 
