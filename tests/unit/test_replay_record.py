@@ -16,7 +16,7 @@ from support.cycles import PERIOD, SPEED, cycle
 from support.schemas import hold
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
-from trackmarshal.cli.replay import overruled
+from trackmarshal.cli.replay import overruled, summary
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.arrow import END, layout_of
 from trackmarshal.runtime.record import read
@@ -352,6 +352,14 @@ def of_bare_cycles(
             said.append([each.verdict for each in decision.violations])
     supervisor.close()
     return spec, tm.load_recording(folder / "run.arrows"), said
+
+
+def test_the_worst_of_what_is_undefined_is_that_it_is(tmp_path: Path) -> None:
+    """`nan m at 0.3 s` stood there."""
+    spec, recording, _ = of_bare_cycles(tmp_path, "require not (previous ego.x > ego.x)", [0, 1, 3, 4])
+    evaluator = tm.Evaluator(spec)
+    lines = summary(tm.replay(recording, evaluator), evaluator)
+    assert sum("undefined at 0.4 s" in line for line in lines) == 2
 
 
 def test_cycles_that_are_missing_are_missing_to_rules_over_the_run(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ none. A record of a run (`.arrows`) is run again at the recorded times: the exit
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import re
 import sys
@@ -433,6 +434,12 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
             spans = _spans([c.t for c in unsafe], times)
             verdicts = "/".join(sorted({c.results[candidate].rules[rule.name].verdict for c in unsafe}))
             satisfies = ", ".join(name for name, _ in rule.satisfies)
+            # Where nothing is known of a margin, what is known is the verdict.
+            margin = (
+                result.verdict
+                if math.isnan(result.margin)
+                else beside(result.margin, result.unit, result.shown) + decides(result)
+            )
             where = str(result.witness.span) if result.witness and result.witness.span else result.reason
             rows.append(
                 [
@@ -440,7 +447,7 @@ def summary(outcome: Replay, evaluator: Evaluator) -> list[str]:
                     candidate,
                     verdicts,
                     spans,
-                    f"{beside(result.margin, result.unit, result.shown)}{decides(result)} at {moment(worst.t)} s",
+                    f"{margin} at {moment(worst.t)} s",
                     satisfies,
                     where,
                 ]
