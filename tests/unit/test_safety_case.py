@@ -56,6 +56,12 @@ def test_a_report_that_was_not_read_is_not_one_without_tests(warehouse: Path) ->
     assert "nothing is known here: " in page
 
 
+def test_an_accepted_baseline_is_named_however_its_path_is_written(warehouse: Path) -> None:
+    edit(warehouse, "requirements/v-model.yaml", "baseline: requirements/", "baseline: ./requirements/")
+    sha = hashlib.sha256((warehouse / "requirements" / "baseline.json").read_bytes()).hexdigest()
+    assert re.search(rf"accepted baseline, sha</dt><dd><code>{sha}</code>", html(warehouse).first)
+
+
 def test_a_number_that_is_not_so_is_noticed(warehouse: Path) -> None:
     """The check above can fail: it compares what the page says, not what it was made of."""
     page = html(warehouse)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import PurePosixPath
 
 from trackmarshal.trace.case.model import (
     Block,
@@ -39,7 +40,9 @@ def cover(writing: Writing) -> Section:
     said = ", ".join(matrix.reservations) if matrix.passes else ""
     commit = made.commit.removesuffix("+")
     changed = writing.line("cover.changed") if made.commit.endswith("+") else EMPTY
-    baseline = made.hashes.get(str(made.project.baseline), "") if made.project.baseline else ""
+    # Hashes are by the paths of files as they are; a document may write `./` before one.
+    declared = made.project.baseline
+    baseline = made.hashes.get(PurePosixPath(declared).as_posix(), "") if declared else ""
     blocks: list[Block] = [
         Verdict(matrix.verdict, said),
         writing.facts([
