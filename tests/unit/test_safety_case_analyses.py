@@ -145,3 +145,14 @@ def test_indicators_and_conditions_of_the_domain_are_in_it(warehouse: Path) -> N
     assert "robot.v: from 0 m/s to 2 m/s" in re.sub(r"<[^>]*>", "", page.html)
     german = html(warehouse, "--words", "de")
     assert "robot.v: von 0 m/s bis 2 m/s" in re.sub(r"<[^>]*>", "", german.html)
+
+
+def test_indicators_are_in_it_where_there_is_no_hazard_and_no_goal(warehouse: Path) -> None:
+    """They may watch requirements and assumptions: without hazards their section left itself out."""
+    (warehouse / "requirements/hazards.yaml").unlink()
+    people = warehouse / "requirements/people.yaml"
+    said = "indicators:\n  - {id: SPI-1, title: Near misses, claims: [SYS-1], owner: P-1, threshold: at most 1 in 100 km, data: log of each drive}\n"
+    people.write_text(people.read_text("utf-8") + said, "utf-8")
+    page = html(warehouse)
+    assert re.search(r"SPI-1</span>.*?SYS-1</a>.*?at most 1 in 100 km.*?log of each drive", page.html)
+    assert "No hazards" in page.first

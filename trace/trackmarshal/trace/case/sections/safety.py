@@ -11,16 +11,16 @@ from trackmarshal.trace.matrix import Row
 
 
 def hazards(writing: Writing) -> Section | None:
-    """Hazards with their rating, goals with their safe states; None where there are neither."""
+    """Hazards with their rating, goals with their safe states, and what is watched in operation, which may be about requirements; None where there is nothing of it."""
     found, goals = writing.of_kind("hazard"), writing.of_kind("safety goal")
-    if not found and not goals:
+    watched = writing.of_kind("indicator")
+    if not found and not goals and not watched:
         return None
     blocks: list[Block] = (
         [writing.named("hazards.hazards", [_hazard(writing, node) for node in found])] if found else []
     )
     if goals:
         blocks.append(writing.named("hazards.goals", [_goal(writing, node) for node in goals]))
-    watched = writing.of_kind("indicator")
     if watched:
         columns = (
             ("column.name", 3.0),
