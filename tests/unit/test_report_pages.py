@@ -401,6 +401,16 @@ def test_flickering_run_is_summed_up(tmp_path: Path) -> None:
     assert "194 more stretches inside this interval" in page.text
 
 
+@pytest.mark.parametrize(("limits", "said"), [(4, "3 more moments in which"), (7, "3 of 6 more moments in which")])  # fmt: skip
+def test_moments_that_are_not_shown_are_counted(tmp_path: Path, limits: int, said: str) -> None:
+    """Each limit is passed in a cycle of its own; four are drawn from near."""
+    base = record(tmp_path, overtaking(count=2))
+    made = large(base, 40, limits, lambda rule, i: 2.5 + 3 * rule - i)
+    _, (page,) = written(tmp_path, [made])
+    assert page.text.count(" s, from near: ") == 4
+    assert said in page.text
+
+
 def test_what_is_summed_up_says_that_some_of_it_is_undefined(tmp_path: Path) -> None:
     """It had the verdict of the stretch with the least margin, and an undefined one has none."""
     made = large(record(tmp_path, overtaking(count=2)), 40, 1, lambda rule, i: -1.0 if i % 2 else 1.0)

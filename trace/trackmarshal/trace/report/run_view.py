@@ -52,6 +52,7 @@ def run_context(run: Run, titles: Mapping[str, str]) -> dict[str, Any]:
         "far": plain(poses.FAR),
         "positions": list(position_rows(run)),
         "moments": list(_moments(run)),
+        "beginnings": len(run.beginnings()),
         "score": _both(lambda layout: score.score_figure(run, found, layout, f"s{layout.width:.0f}"))
         if run.cycles
         else None,
