@@ -19,7 +19,7 @@ from support.project import command, run_command
 from support.safety_case import DAY, NUMBER, Page, corpus, edit, graph_numbers, html, is_place
 from trackmarshal import trace
 from trackmarshal.cli import assessment
-from trackmarshal.records import RuleFacts, RunSummary
+from trackmarshal.records import RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.case.content import NAMES
 
 
@@ -149,14 +149,14 @@ def test_stale_evidence_is_on_the_first_page_and_in_the_status(warehouse: Path) 
     assert top(page) == "not supported"
 
 
-def with_run(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As if a recording had been replayed that is evidence for all; it is stale as soon as the file changes."""
+def with_run(project: Path, monkeypatch: pytest.MonkeyPatch, expect: str = "no_fire", **came: Any) -> None:
+    """As if a recording had been replayed that is evidence for all; it is stale as soon as the file changes. came: what else it came to."""
     recording = project / "drive.tmrec.jsonl"
     recording.write_text("{}", "utf-8")
     digest = hashlib.sha256(recording.read_bytes()).hexdigest()
     model = project / "requirements/v-model.yaml"
     plain = model.read_text("utf-8")
-    scenario = "  scenarios: [{path: drive.tmrec.jsonl, stage: TST-1, expect: no_fire, origin: field}]\n"
+    scenario = f"  scenarios: [{{path: drive.tmrec.jsonl, stage: TST-1, expect: {expect}, origin: field}}]\n"
     text = plain.replace("counts: [test]", "counts: [test, run]").replace("  specs: [specs]\n", f"  specs: [specs]\n{scenario}")  # fmt: skip
     real = assessment.assess
     facts = real(project, run=False).facts
@@ -175,7 +175,8 @@ def with_run(project: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         found.facts = replace(found.facts, run_inputs={"drive.tmrec.jsonl": inputs})
         ran = tuple(RuleFacts(item.name, item.fingerprint, counts) for item in items)
         found.project, _ = trace.load(root)
-        found.runs = [RunSummary("drive.tmrec.jsonl", digest, "s", 3, ran, {}, False, "now", inputs=inputs)]
+        run = RunSummary("drive.tmrec.jsonl", digest, "s", 3, ran, {}, False, "now", inputs=inputs)
+        found.runs = [replace(run, **came)]
         return found
 
     monkeypatch.setattr(assessment, "assess", made)
@@ -194,6 +195,21 @@ def test_a_stale_run_is_on_the_first_page_in_the_argument_and_in_the_status(
     assert '<div class="verdict is-failed">' in page.first
     assert stale.search(page.first)
     assert top(page) == "not supported"
+
+
+def test_what_no_ground_truth_judges_stands_with_what_is_inside(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The matrix calls the run failed, and its part said no more than that all verdicts are inside."""
+    came = {"fired": True, "unexpected": (1.25, 1.5), "uncovered": ("gentle",)}
+    truth = {"rule slow_near_people": TruthFacts(True, (), ("slow_near_people",))}
+    with_run(warehouse, monkeypatch, "ground_truth", ground_truth=truth, **came)
+    page = html(warehouse, expect=1)
+    assert ("unexpected/drive.tmrec.jsonl", "1.25") in page.numbers
+    said = re.sub(r"<[^>]*>", "", re.findall(r"<dt>ground truth</dt><dd>(.*?)</dd>", page.html)[0])
+    assert "all verdicts inside" in said
+    assert "failed: unsafe at 1.25 s, of which no ground truth says what to expect" in said
+    assert said.endswith("of gentle none is declared")
 
 
 def test_an_expired_waiver_is_on_the_first_page_in_the_argument_and_in_the_status(warehouse: Path) -> None:

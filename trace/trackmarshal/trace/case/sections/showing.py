@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.records import RunSummary
-from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Part, Section, Status
+from trackmarshal.trace.case.model import (
+    Block,
+    Code,
+    Fixed,
+    Given,
+    Line,
+    Made,
+    Number,
+    Part,
+    Section,
+    Status,
+)
 from trackmarshal.trace.case.sections import driven, injected, looped
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES
@@ -106,7 +117,7 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
         ("label.cycles", (writing.said_number(node, "cycles"),)),
         ("label.fired", writing.line(f"fired.{node.attributes['fired']}")),
         ("label.evaluated", writing.refs(n.key for n in writing.beyond(node.key, "evaluates"))),
-        ("label.truth", _truth(writing, run)),
+        ("label.truth", _truth(writing, one, run)),
         ("label.recording", (Code(run.source_hash),)),
     ]
     return writing.part(
@@ -117,8 +128,8 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
     )
 
 
-def _truth(writing: Writing, run: RunSummary) -> Line:
-    """By each ground truth, whether all verdicts lie within it, and where they do not."""
+def _truth(writing: Writing, one: Scenario, run: RunSummary) -> Line:
+    """By each ground truth, whether all verdicts lie within it, and where they do not; then what none of them judges."""
     lines: list[Line] = []
     for kind, truth in run.ground_truth.items():
         state = Status(
@@ -127,6 +138,12 @@ def _truth(writing: Writing, run: RunSummary) -> Line:
         )
         said = joined([(Made(one),) for one in truth.violations], "; ")
         lines.append((Made(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
+    if one.expect == "ground_truth" and run.unexpected:
+        first = Number(f"unexpected/{run.scenario}", f"{run.unexpected[0]:g}")
+        lines.append((Status("failed"), Fixed(": "), *writing.line("truth.unexpected", first=first)))
+    if run.uncovered:
+        rules = joined([(Code(rule),) for rule in run.uncovered])
+        lines.append(writing.line("truth.uncovered", rules=rules))
     return joined(lines) or writing.line("truth.none")
 
 
