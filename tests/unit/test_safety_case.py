@@ -19,7 +19,7 @@ from support.project import command, run_command
 from support.safety_case import DAY, NUMBER, Page, corpus, edit, graph_numbers, html, is_place
 from trackmarshal import trace
 from trackmarshal.cli import assessment
-from trackmarshal.records import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.case.content import NAMES
 
 
@@ -210,6 +210,25 @@ def test_what_no_ground_truth_judges_stands_with_what_is_inside(
     assert "all verdicts inside" in said
     assert "failed: unsafe at 1.25 s, of which no ground truth says what to expect" in said
     assert said.endswith("of gentle none is declared")
+
+
+def test_numbers_of_a_drive_say_whether_they_are_stale_and_when_they_were(
+    warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After four hours, a moment to four digits is one of ten seconds."""
+    least = (LeastMargin("gentle", "driving", 0.25, "0.25 m/s^2", 14321.75),)
+    with_run(warehouse, monkeypatch, drive=DriveFacts(4.0, 20.0, {}, least))
+
+    def told() -> tuple[Page, str]:
+        page = html(warehouse)
+        begin = page.html.index(">Drives of real vehicles</h")
+        return page, page.html[begin : page.html.index(">Faults put in</h")]
+
+    page, said = told()
+    assert ("drive/drive.tmrec.jsonl/t gentle driving", "14321.75") in page.numbers
+    assert "stale" not in said
+    (warehouse / "drive.tmrec.jsonl").write_text('{"another": "drive"}', "utf-8")
+    assert '<span class="chip is-stale' in told()[1]
 
 
 def test_an_expired_waiver_is_on_the_first_page_in_the_argument_and_in_the_status(warehouse: Path) -> None:

@@ -148,7 +148,7 @@ def test_numbers_of_a_drive_are_those_that_were_kept(page: Page) -> None:
         f"{begin}per hour": f"{fired / drive['hours']:.4g}", f"{begin}per km": f"{fired / drive['km']:.4g}",
         # Nothing fired, so that of a mean of three nothing is seen once in twenty times.
         f"{begin}at most per hour": f"{-math.log(0.05) / drive['hours']:.4g}", f"{begin}at most per km": f"{-math.log(0.05) / drive['km']:.4g}", f"{begin}confidence": "95",
-        **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.4g}" for one in drive["least"]},
+        **{f"{begin}t {one['rule']} {one['candidate']}": f"{one['t']:.3f}".rstrip("0").rstrip(".") for one in drive["least"]},
     }  # fmt: skip
     # The cycles are a tenth of a second apart, and the drive took as long as they do.
     assert drive["hours"] * 3600 == pytest.approx(run["cycles"] / 10, rel=1e-3)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from trackmarshal.records import DriveFacts, RunSummary
-from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number
+from trackmarshal.records import DriveFacts, LeastMargin, RunSummary
+from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number, Status
 from trackmarshal.trace.case.writing import Writing, given, joined
+from trackmarshal.trace.report.words import clock
 
 #: How sure one may be of what a drive bounds, in percent.
 _SURE = 95
@@ -41,6 +42,7 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
         sure=_number(run, "confidence", _SURE),
     )  # fmt: skip
     facts: list[tuple[str, Line]] = [
+        ("label.outcome", (Status(node.attributes["outcome"]),)),
         ("label.hours", (writing.said_number(node, "hours"), Fixed(" h"))),
         ("label.way", (writing.said_number(node, "km"), Fixed(" km"))),
         ("label.cycles", (writing.said_number(node, "cycles"),)),
@@ -54,7 +56,7 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
     yield writing.table((("column.rule", 3.0), ("column.candidate", 1.5), ("column.least", 2.0), ("column.when_found", 1.5)), (
         [
             (Code(one.rule),), given(one.candidate),
-            (writing.said_number(node, f"least {one.rule} {one.candidate}"),), (_number(run, f"t {one.rule} {one.candidate}", one.t), Fixed(" s")),
+            (writing.said_number(node, f"least {one.rule} {one.candidate}"),), (_at(run, one), Fixed(" s")),
         ]
         for one in drive.least
     ))  # fmt: skip
@@ -85,6 +87,11 @@ def _silent(run: RunSummary) -> list[str]:
             if verdict != "inactive"
         )
     ]
+
+
+def _at(run: RunSummary, one: LeastMargin) -> Number:
+    """When it was: a drive takes hours, and four digits of seconds name another moment."""
+    return Number(f"drive/{run.scenario}/t {one.rule} {one.candidate}", clock(one.t))
 
 
 def _number(run: RunSummary, what: str, value: float) -> Number:
