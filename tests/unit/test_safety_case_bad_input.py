@@ -61,7 +61,17 @@ def test_a_text_is_one_string_of_typst(text: str) -> None:
     made = typst_string(text)
     assert STRING.fullmatch(made)
     inside = re.sub(r"\\(.)", lambda match: "\n" if match[1] == "n" else match[1], made[1:-1])
-    assert inside == "".join(c if c.isprintable() or c in "\n\u200b" else "\ufffd" for c in text)
+    kept = "\n\t\u00a0\u00ad\u2007\u2009\u200b\u202f"
+    assert inside == "".join(c if c.isprintable() or c in kept else "\ufffd" for c in text)
+
+
+def test_blanks_that_people_write_are_no_unknown_letters_on_paper() -> None:
+    """A tab in a spec, a number and its unit on one line, a place to break a word."""
+    said = "\trequire v <= 80\u00a0km/h, 10\u202f000\u2009m, Fahr\u00addynamik"
+    assert typst_string(said) == f'"{said}"'
+    typst = pytest.importorskip("typst", reason="sets the PDF")
+    source = f"#{typst_string(said)}\n#raw({typst_string(said)}, block: true)"
+    assert typst.compile(source.encode(), ignore_system_fonts=True, pdf_standards="a-2b")
 
 
 @given(st.text())

@@ -35,6 +35,8 @@ _RUN = 12
 #: So many letters at least stand in a line of a table as wide as the text; a row that needs at most so many lines stays on one page.
 _LINE, _HALF_PAGE = 90, 30
 _BREAK = re.compile(r"(?<=[/_.:\-])(?=\w)")
+#: Blanks that fonts have, and marks of where a line may end: none of them is printable, and people write them (`80 km/h` on one line, a tab in a spec).
+_BLANK = frozenset("\n\t\u00a0\u00ad\u2007\u2009\u200b\u202f")
 #: What typst says of a letter that no font has.
 _UNSHOWN = re.compile(r'the text `"(.)"` could not be displayed')
 #: Ids with hyphens, which stand on one line unless they are too long for a column of a table.
@@ -117,8 +119,8 @@ def _no_typst() -> TrackmarshalError:
 
 
 def string(text: str) -> str:
-    """A string of Typst, which is shown as it is; characters that no font shows are replaced."""
-    shown = "".join(char if char.isprintable() or char in "\n\u200b" else "\ufffd" for char in text)
+    """A string of Typst, which is shown as it is; control characters are replaced."""
+    shown = "".join(char if char.isprintable() or char in _BLANK else "\ufffd" for char in text)
     return '"' + shown.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
 
 
