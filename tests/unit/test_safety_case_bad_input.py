@@ -65,6 +65,21 @@ def test_a_text_is_one_string_of_typst(text: str) -> None:
     assert inside == "".join(c if c.isprintable() or c in kept else "\ufffd" for c in text)
 
 
+def test_of_a_project_in_which_there_is_nothing_not_all_is_well(tmp_path: Path) -> None:
+    (tmp_path / "requirements").mkdir()
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs/bare.spec").write_text("module bare\n\nsignal robot : state { v: m/s }\n", "utf-8")
+    (tmp_path / "requirements/v-model.yaml").write_text(
+        "document: v-model\ntitle: nothing yet\nproject: {name: bare, specs: [specs], default_spec: specs}\n"
+        "stages:\n  - {id: TST-1, title: tests, shows: that they pass, applies_to: ['*'], counts: [test]}\n",
+        "utf-8",
+    )
+    page = html(tmp_path, expect=1)
+    assert "Every cell" not in page.html
+    assert "All that is expected to be read" not in page.html
+    assert {"No stage asks anything of a requirement: there is no cell that could be covered.", "Nothing is declared that is expected to be read."} <= set(page.texts)  # fmt: skip
+
+
 def test_blanks_that_people_write_are_no_unknown_letters_on_paper() -> None:
     """A tab in a spec, a number and its unit on one line, a place to break a word."""
     said = "\trequire v <= 80\u00a0km/h, 10\u202f000\u2009m, Fahr\u00addynamik"

@@ -74,9 +74,9 @@ def open_points(writing: Writing) -> Section:
         if stage.id in row.cells and row.cells[stage.id].status not in ("covered", "waived")
     ]  # fmt: skip
     gaps.sort(key=lambda gap: STATUSES.index(gap[2].status))
-    blocks.append(
-        writing.named("open.cells", [_cells(writing, gaps) if gaps else writing.paragraph("open.no_cells")])
-    )
+    asked = any(row.cells for row in matrix.rows)  # where nothing is, not all of it is covered
+    no_gap = writing.paragraph("open.no_cells") if asked else writing.missing("open.no_demands")
+    blocks.append(writing.named("open.cells", [_cells(writing, gaps) if gaps else no_gap]))
     stale = list(_stale(writing))
     blocks.append(
         writing.named(

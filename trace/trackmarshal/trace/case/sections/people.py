@@ -86,8 +86,8 @@ def _recorded(writing: Writing, review: Node) -> Line:
 def _unreviewed(writing: Writing) -> Iterator[Block]:
     """By kind, how many things no review accepted in the version that is here, and which."""
     rows: list[list[Line]] = []
-    for kind in READ:
-        nodes = [node for node in writing.of_kind(kind) if node.demanded]
+    expected = {kind: [node for node in writing.of_kind(kind) if node.demanded] for kind in READ}
+    for kind, nodes in expected.items():
         open_ = [node.key for node in nodes if not reviewed(writing.graph, node)]
         if open_:
             count = (
@@ -96,6 +96,9 @@ def _unreviewed(writing: Writing) -> Iterator[Block]:
                 Number(f"read/{kind}", str(len(nodes))),
             )
             rows.append([(Fixed(writing.words[f"thing.{kind}"]),), count, writing.refs(open_)])
+    if not any(expected.values()):
+        yield writing.missing("people.nothing_to_read")
+        return
     if not rows:
         yield writing.paragraph("people.all_reviewed")
         return
