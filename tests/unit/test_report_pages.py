@@ -210,6 +210,27 @@ def test_demands_that_are_not_covered_are_named_even_when_the_gate_passes(tmp_pa
     assert "1 of 3 demands of the V-model covered; 1 waived" in index.text
 
 
+@pytest.mark.parametrize(
+    ("granted", "expires", "said"),
+    [
+        ("2026-01-01", "2026-06-02", "Maria 2026-01-01 until"),
+        ("2026-01-01", "2026-06-01", "Maria ✕ not now 2026-01-01 until"),
+        ("2026-06-03", "2026-07-01", "Maria ✕ not now 2026-06-03 until"),
+    ],
+)
+def test_a_waiver_that_does_not_hold_is_told_apart(
+    tmp_path: Path, granted: str, expires: str, said: str
+) -> None:
+    """It stood under "Waived", as if it excused anything on the day of the assessment."""
+    one = {
+        "id": "W-1", "stages": ["S-4"], "requirements": ["R-1"], "codes": [], "subjects": [], "justification": "later", "residual_risk": "", "owner": "Rolf",
+        "approver": "Maria", "granted": granted, "expires": expires,
+    }  # fmt: skip
+    index, _ = written(tmp_path, [], summary={**SUMMARY, "date": "2026-06-02", "waivers": [one]}, missing=[])
+    assert said in index.text
+    assert "Waived" not in index.text
+
+
 def test_without_runs_the_index_says_so(tmp_path: Path) -> None:
     index, pages = written(tmp_path, [], matrix=None, missing=[])
     assert pages == []

@@ -49,7 +49,10 @@ def index_context(
         ],
         "gaps": _gaps(matrix_summary),
         "signs": SIGNS,
-        "waivers": matrix_summary.get("waivers", []),
+        "waivers": [
+            {**w, "now": w["granted"] <= matrix_summary["date"] <= w["expires"]}
+            for w in matrix_summary.get("waivers", [])
+        ],
         "stages": [
             _stage(name, entry, titles.get(name, ""))
             for name, entry in matrix_summary.get("coverage", {}).items()
