@@ -210,6 +210,14 @@ def test_demands_that_are_not_covered_are_named_even_when_the_gate_passes(tmp_pa
     assert "1 of 3 demands of the V-model covered; 1 waived" in index.text
 
 
+def test_one_is_no_plural_and_nothing_is_said_of_every_rule_where_there_is_none(tmp_path: Path) -> None:
+    one = {"modules": 1, "rules": 0, "errors": 1, "warnings": 1, "tests": 0, "failed": 0, "uncovered": []}
+    index, _ = written(tmp_path, [], missing=[], checks=one)
+    assert "1 module, 0 rules" in index.text
+    assert "1 error, 1 warning " in index.text
+    assert "every rule has tests" not in index.text
+
+
 @pytest.mark.parametrize(
     ("granted", "expires", "said"),
     [
