@@ -166,6 +166,9 @@ def test_units_and_what_is_not_finite() -> None:
     assert told("    flag = mixed") == ("flag", "mixed")
     assert [quantity(v, "m") for v in (math.nan, math.inf, -math.inf)] == ["undefined", "+∞", "−∞"]
     assert clock(0.30000000000000004) == "0.3"
+    assert clock(1700000012.25) == "1700000012.25"  # of the clock of Unix
+    assert clock(-1700000012.25) == "−1700000012.25"
+    assert clock(-0.0001) == "0"
 
 
 # Pictures ------------------------------------------------------------------------------------------------------------

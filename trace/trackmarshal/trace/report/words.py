@@ -65,8 +65,8 @@ def told(line: str) -> tuple[str, str]:
 
 
 def clock(t: float) -> str:
-    """A time in s, to the millisecond."""
-    return f"{round(t, 3):.9g}".replace("-", "−")
+    """A time in s, to the millisecond, also of a clock that counts from far away, as that of Unix."""
+    return f"{round(t, 3) + 0.0:.13g}".replace("-", "−")
 
 
 def interval(first: float, last: float) -> str:
