@@ -111,6 +111,24 @@ def test_a_consistent_removal_on_both_sides_is_noticed_by_the_baseline(tmp_path:
     assert set(fails(small.root)) == {"T224"}
 
 
+def test_another_vehicle_is_noticed_by_the_baseline(tmp_path: Path) -> None:
+    """Which interfaces have to be analysed hangs on it: where all are, nothing else tells."""
+    small = Small.copy(tmp_path)
+    small.replace(
+        MODEL,
+        "    rationale: The vehicle takes no part.\n",
+        "    issues: [{id: TP-RO.1, text: They leave it., leads_to: [S-1-A-5]}]\n  - id: RO\n    title: properties of the road\n"
+        "    issues: [{id: RO.1, text: It is wet., leads_to: [S-1-A-5]}]\n",
+    )
+    small.replace(CRITERIA, "derived_from: [AV, AV-RO]", "derived_from: [AV, AV-RO, TP-RO, RO]")
+    small.accept()
+    assert trace.gate(small.matrix()) == []
+    small.replace(MODEL, "role: vehicle", "role: environment")
+    small.replace(MODEL, "title: road, role: environment", "title: road, role: vehicle")
+    (found,) = trace.gate(small.matrix())
+    assert (found.code, found.subject, len(found.also)) == ("T224", "AV", 1)
+
+
 def test_what_became_weaker_is_accepted_by_somebody_for_a_reason(tmp_path: Path) -> None:
     small = Small.copy(tmp_path)
     tests = [t for t in TESTS if (t.rule, t.title) != ("gap", "inside")]

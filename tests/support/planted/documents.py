@@ -30,6 +30,16 @@ APART = all_of(
         + "".join(f"  - {{between: {one}-LA, reason: They are far apart.}}\n" for one in ("SH", "TP", "RO")),
     ),
 )
+#: Whatever would have to be analysed of the road, were it the vehicle.
+_ALL_ANALYSED = all_of(
+    swap(
+        M,
+        "    rationale: The shuttle takes no part.\n",
+        "    issues: [{id: TP-RO.1, text: Others leave it., leads_to: [S-1]}]\n  - id: RO\n    title: properties of the road\n"
+        "    issues: [{id: RO.1, text: It is not laid out for much., leads_to: [S-1]}]\n",
+    ),
+    swap(R, "derived_from: [SH-RO]", "derived_from: [SH-RO, TP-RO, RO]"),
+)
 #: An interface with one issue, and with two that lead to the same requirement.
 SLIDES = (_FAST, f"{_FAST}\n      - {{id: SH-RO.2, text: It slides in the rain., leads_to: [S-1]}}")
 
@@ -173,6 +183,8 @@ FAULTS = [
     Fault("an interface in both orders", swap(M, "  - id: TP-RO\n", "  - {id: RO-TP, title: road and others, rationale: Nobody looked.}\n  - id: TP-RO\n"), "T130", "TP-RO"),
     Fault("another reason why two never meet", all_of(agreed(APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
+    Fault("two vehicles", swap(M, "title: road, role: environment", "title: road, role: vehicle"), "T145"),
+    Fault("another vehicle", all_of(agreed(_ALL_ANALYSED), swap(M, "role: vehicle", "role: environment"), swap(M, "title: road, role: environment", "title: road, role: vehicle")), "T224", "RO"),
     # 30 and 31: what is said of the argument
     Fault("why there is confidence in it, said otherwise", all_of(agreed(ARGUED), swap(_ARGUMENT, "Two people found the same.", "Trust us.")), "T376", "ACP-1"),
     Fault("confidence in something else", all_of(agreed(ARGUED), swap(_ARGUMENT, "id: ACP-1, at: S-1", "id: ACP-1, at: S-3")), "T376", "ACP-1"),

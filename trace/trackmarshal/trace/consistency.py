@@ -122,7 +122,9 @@ def _model(project: Project) -> Iterator[Finding]:
     if len(vehicles) != 1:
         said = "no subsystem is" if not vehicles else "more than one subsystem is"
         at = vehicles[1].id.place if vehicles else place
-        yield error("T145", f"{said} the vehicle", at, "give exactly one subsystem the role `vehicle`")
+        help_ = "give exactly one subsystem the role `vehicle`"
+        about = tuple(str(s.id) for s in vehicles or project.subsystems)
+        yield Finding("T145", "error", f"{said} the vehicle", at, help_, about=about)
     known = {str(s.id) for s in project.subsystems}
     pairs = (*(i.id for i in project.interfaces), *(i.between for i in project.infeasible))
     for name in pairs:

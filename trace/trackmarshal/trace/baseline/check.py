@@ -185,6 +185,8 @@ def _grouped(
             one = f"interface {change.name.rpartition('.')[0]}"
         elif change.field == "asil":
             one = "asil"
+        elif (change.kind, change.field) == ("subsystem", "role"):  # exactly one is the vehicle
+            one = "role"
         elif change.key in struck:
             one = "limit"
         elif change.field in ("replayed with", "rules"):  # of a configuration, or a spec, that several share

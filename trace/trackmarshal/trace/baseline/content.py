@@ -208,7 +208,9 @@ def _documents(project: Project, hashes: Hashes) -> Iterator[tuple[str, Entry]]:
             "evidence sha256": "" if entry.kind in ("design element", "malfunction") else "".join(hashes.get(path) or "" for kind, path in entry.links if kind == "backed_by"),
         }  # fmt: skip
     for part in project.subsystems:
-        yield f"subsystem {part.id}", {"title": part.title, "description": _hash(part.description)}
+        yield f"subsystem {part.id}", {
+            "title": part.title, "description": _hash(part.description), "role": part.role,
+        }  # fmt: skip
     for pair in project.infeasible:
         yield f"infeasible {pair.between}", {"reason": _hash(pair.reason)}
     if project.schema is not None:
