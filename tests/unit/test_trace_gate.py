@@ -111,6 +111,13 @@ def test_a_consistent_removal_on_both_sides_is_noticed_by_the_baseline(tmp_path:
     assert set(fails(small.root)) == {"T224"}
 
 
+def test_what_a_stage_must_show_is_held_by_the_baseline(tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    small.accept()
+    small.replace("requirements/v-model.yaml", "shows: no fire", "shows: whatever there is")
+    assert [(f.code, f.subject) for f in trace.gate(small.matrix())] == [("T371", "S-4-B")]
+
+
 def test_another_vehicle_is_noticed_by_the_baseline(tmp_path: Path) -> None:
     """Which interfaces have to be analysed hangs on it: where all are, nothing else tells."""
     small = Small.copy(tmp_path)

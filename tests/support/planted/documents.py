@@ -184,6 +184,7 @@ FAULTS = [
     Fault("another reason why two never meet", all_of(agreed(APART), swap(M, "SH-LA, reason: They are far apart.", "SH-LA, reason: x")), "T224", "SH-LA"),
     Fault("no vehicle", swap(M, "role: vehicle", "role: environment"), "T145"),
     Fault("two vehicles", swap(M, "title: road, role: environment", "title: road, role: vehicle"), "T145"),
+    Fault("what a stage must show said otherwise", swap(V, "shows: that nothing fires", "shows: what there is"), "T371", "S-4-B"),
     Fault("another vehicle", all_of(agreed(_ALL_ANALYSED), swap(M, "role: vehicle", "role: environment"), swap(M, "title: road, role: environment", "title: road, role: vehicle")), "T224", "RO"),
     # 30 and 31: what is said of the argument
     Fault("why there is confidence in it, said otherwise", all_of(agreed(ARGUED), swap(_ARGUMENT, "Two people found the same.", "Trust us.")), "T376", "ACP-1"),

@@ -94,7 +94,7 @@ _CITING = {("requirement", "source"), ("rule", "source"), ("assumption", "source
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
     ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
-    ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), ("subsystem", "role"), *_CITING,
+    ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), ("subsystem", "role"), ("stage", "shows"), *_CITING,
 }  # fmt: skip
 
 

@@ -272,6 +272,7 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
         once = "yes" if stage.if_any else ""
         yield f"stage {stage.id}", {
             "applies_to": _list(stage.applies_to), "counts": _list(stage.counts), "only if there is any": once,
+            "shows": _hash(stage.shows),
         }  # fmt: skip
     for demand in project.gate:
         yield f"gate {demand.stage}, {demand.at_least}", {"requirements": _list(demand.requirements)}
