@@ -118,6 +118,18 @@ def test_what_a_stage_must_show_is_held_by_the_baseline(tmp_path: Path) -> None:
     assert [(f.code, f.subject) for f in trace.gate(small.matrix())] == [("T371", "S-4-B")]
 
 
+def test_another_tool_in_place_of_one_that_was_argued_over_is_noticed(tmp_path: Path) -> None:
+    """Its confidence was argued of the program that the title names; the version may be the same."""
+    small = Small.copy(tmp_path)
+    tool = "document: assurance\ntitle: tools\ntools: [{id: TL-1, title: %s, version: '13'}]\n"
+    path = small.root / "requirements/tools.yaml"
+    path.write_text(tool % "a compiler", "utf-8")
+    small.accept()
+    before = trace.gate(small.matrix())
+    path.write_text(tool % "another compiler", "utf-8")
+    assert [(f.code, f.subject) for f in trace.gate(small.matrix()) if f not in before] == [("T376", "TL-1")]
+
+
 def test_another_vehicle_is_noticed_by_the_baseline(tmp_path: Path) -> None:
     """Which interfaces have to be analysed hangs on it: where all are, nothing else tells."""
     small = Small.copy(tmp_path)

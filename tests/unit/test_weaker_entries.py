@@ -71,7 +71,7 @@ def test_a_report_that_may_be_missing_excuses_and_a_method_claims(
     assert unasked == [True] * said.endswith((EXCUSES, CLAIMS))  # older acceptances have no name for it
 
 
-@pytest.mark.parametrize("key", ["method M-1", "work WK-1"])
+@pytest.mark.parametrize("key", ["method M-1", "work WK-1", "tool T-1"])
 def test_a_title_is_held_from_the_next_acceptance_on(key: str) -> None:
     """A baseline that was accepted before titles were held is as good as ever."""
     assert list(changes({key: {"equations": "3"}}, {key: {"equations": "3", "title": "proof"}})) == []

@@ -93,7 +93,7 @@ _LATER = ("evidence sha256", "put in", "named", "replayed with", "closed loop", 
 _CITING = {("requirement", "source"), ("rule", "source"), ("assumption", "source"), ("param", "source")}
 #: And what those lack that are as good as ever: it is held from the next acceptance on, and nothing is said until then.
 _NOT_YET = {
-    ("method", "title"), ("work", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
+    ("method", "title"), ("work", "title"), ("tool", "title"), ("scenario", "rules"), ("issue", "leads_to"), ("defeater", "evidence"),
     ("external-tests", RAN), ("evidence", ANSWERS), ("section", HEADING), ("subsystem", "role"), ("stage", "shows"), *_CITING,
 }  # fmt: skip
 

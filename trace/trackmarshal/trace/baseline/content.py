@@ -48,8 +48,8 @@ _A_RULE = " tests a rule"
 _FUNCTION = re.compile(r"([\w:.]+)\[.*\]", re.DOTALL)
 #: Of evidence, which methods it answers of which requirements.
 ANSWERS = "answers"
-#: Kinds of entries of which the title is what they are about: who somebody is, what is counted, what goes wrong, what is done, by what rules cite.
-_NAMED = ("person", "indicator", "malfunction", "method", "work")
+#: Kinds of entries of which the title is what they are about: who somebody is, which program it is, what is counted, what goes wrong, what is done, by what rules cite.
+_NAMED = ("person", "tool", "indicator", "malfunction", "method", "work")
 #: Entries that may be in several pieces; of others of one name the first counts, and the second is an error (T130).
 _TOGETHER = ("gate ", "evidence ")
 
