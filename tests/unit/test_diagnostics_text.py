@@ -157,6 +157,16 @@ def test_long_lines_are_cut_around_the_place(at: int) -> None:
         assert "…" in lines[3]
 
 
+def test_places_far_from_each_other_in_a_long_line_are_both_shown() -> None:
+    for filler in ("abcdefghi ", "速度 "):
+        file = SourceFile("a.spec", f"FIRST {filler * 1000} WRONG")
+        lines = shown(file, "WRONG", other=span_of(file, "FIRST")).split("\n")
+        assert max(map(width, lines)) <= 120
+        for part, sign in (("FIRST", "-----"), ("WRONG", "^^^^^")):
+            at = next(row for row, line in enumerate(lines) if part in line)
+            assert width(lines[at][: lines[at].index(part)]) == lines[at + 1].index(sign)
+
+
 def test_a_place_longer_than_the_window_is_cut() -> None:
     file = SourceFile("a.spec", "x" * 1000)
     lines = text.render([Clash(Span(file, 100, 900), "a", "b")]).split("\n")

@@ -62,12 +62,19 @@ def excerpt(marks: Sequence[Mark], room: int) -> Iterator[tuple[int | None, str,
             yield None, "", ""
         previous = number
         line = _line(marks[0].stretch, number)
-        shown, cut = _windowed(line, min(start for start, *_ in rows[number]), room)
-        yield number, "", shown
-        for start, end, sign, label in sorted(rows[number]):
-            before, under = width(printable(line[:start])) - cut, width(printable(line[start:end]))
-            under = max(1, min(under, room - before))
-            yield None, sign, " " * before + f"{sign * under} {printable(label)}".rstrip()
+        waiting = sorted(rows[number])
+        while waiting:  # once for all marks that one window shows: in a long line, others are far from it
+            shown, cut = _windowed(line, waiting[0][0], room)
+            yield number, "", shown
+            taken = 0
+            for start, end, sign, label in waiting:
+                before, under = width(printable(line[:start])) - cut, width(printable(line[start:end]))
+                if taken and before > room - 2:
+                    break
+                under = max(1, min(under, room - before))
+                yield None, sign, " " * before + f"{sign * under} {printable(label)}".rstrip()
+                taken += 1
+            waiting = waiting[taken:]
 
 
 def _line(stretch: Span, number: int) -> str:
