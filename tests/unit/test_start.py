@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -283,6 +284,15 @@ def test_it_asks_nothing_and_says_what_it_wrote(tmp_path: Path) -> None:
     ]
     assert sorted(written) == sorted([*FILES, BASELINE])
     assert sorted(contents(tmp_path / "a" / "b")) == sorted(written)
+
+
+def test_a_road_is_found_beside_what_is_no_file(project: Path) -> None:
+    tracks = project / "specs" / "tracks"
+    (tracks / ".#straight.yaml").symlink_to("somebody@here.1")  # Emacs has the file open
+    assert run_command("new", "scenario", "first")[::2] == (0, "")
+    os.mkfifo(tracks / "pipe.yaml")
+    status, _, err = run_command("new", "scenario", "second")
+    assert (status, "a named pipe, not a regular file" in err) == (2, True)
 
 
 @pytest.mark.parametrize("name", [*FILES, BASELINE])

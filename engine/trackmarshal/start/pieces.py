@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.files import below, read_regular
 from trackmarshal.start.subject import subject
 from trackmarshal.start.writing import render, write_new
 
@@ -115,7 +116,7 @@ def scenario(place: Place, name: str) -> Piece:
     """A scenario on the project's first road, or on a straight one that is written too. Raises E412, E413."""
     _word(name, "scenario")
     folder = place.specs / "scenarios"
-    track = next(filter(_is_track, sorted(place.specs.rglob("*.yaml"))), None)
+    track = next(filter(_is_track, below(place.specs, (".yaml",))[0]), None)
     texts = {}
     if track is None:
         track = place.specs / "tracks" / "straight.yaml"
@@ -180,4 +181,4 @@ def _shown(place: Place, path: Path) -> str:
 
 
 def _is_track(path: Path) -> bool:
-    return _TRACK.search(path.read_text(encoding="utf-8", errors="replace")) is not None
+    return _TRACK.search(read_regular(path).decode("utf-8", "replace")) is not None
