@@ -307,6 +307,15 @@ def test_init_overwrites_nothing(name: str, tmp_path: Path) -> None:
     assert contents(tmp_path) == {}
 
 
+def test_a_folder_of_it_may_be_a_link(tmp_path: Path) -> None:
+    (tmp_path / "car").mkdir()
+    (tmp_path / "shared").mkdir()
+    (tmp_path / "car" / "specs").symlink_to(tmp_path / "shared")
+    status, out, err = run_command("init", str(tmp_path / "car"))
+    assert (status, err) == (0, "")
+    assert f"wrote {tmp_path / 'car' / 'specs' / 'speed.spec'}\n" in out
+
+
 def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path: Path) -> None:
     (tmp_path / ".github").write_text("no folder", "utf-8")
     status, _, err = run_command("init", str(tmp_path))

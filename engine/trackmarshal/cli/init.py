@@ -37,12 +37,12 @@ def run(args: argparse.Namespace) -> int:
     folder = here.relative_to(whole).as_posix() if here != whole else ""
     written = init(root, folder)
     made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
-    path, _ = trace.accept_baseline(
+    trace.accept_baseline(
         root.resolve(), made.items, made.tests, [], made.parts, made.run_inputs, engine=tool()
     )
-    written.append(path)
+    written.append(root / BASELINE)
     if not args.quiet:
-        say(*(f"wrote {root / path.resolve().relative_to(root.resolve())}" for path in written))
+        say(*(f"wrote {path}" for path in written))
         go = [] if root.resolve() == Path.cwd().resolve() else [f"cd {shlex.quote(str(root))}"]
         say("next:", *(f"  {line}" for line in (*go, "trackmarshal test", "trackmarshal trace --gate")))
         if folder:  # several projects may be in it
