@@ -30,4 +30,4 @@ def test_an_error_that_nobody_can_be_told_of_is_one_all_the_same(tmp_path: Path)
     script = f'exec "{sys.executable}" -m trackmarshal check "{path}" 2>&-'
     ended = subprocess.run(["sh", "-c", script], capture_output=True, check=False, timeout=60)
     assert ended.returncode == 1
-    assert b"internal error" not in ended.stdout
+    assert ended.stdout == b""  # which may be a report that a program reads

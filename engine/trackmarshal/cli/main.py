@@ -53,6 +53,8 @@ def main(argv: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if argv is None else argv
     # What numpy has for large matrices would wait for work in threads of its own, a tenth of a second of CPU at each start.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if sys.stderr is None:  # closed: `print` would take standard output for it, which may be a report
+        sys.stderr = open(os.devnull, "w", encoding="utf-8")  # noqa: SIM115 (to the end)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # text that the terminal's encoding lacks is escaped
             stream.reconfigure(errors="backslashreplace")
