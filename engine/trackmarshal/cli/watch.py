@@ -96,6 +96,8 @@ def _round(args: argparse.Namespace) -> None:
         status = main([verb, *args.paths, *project, *quiet])
         if status == 130:  # Ctrl-C, which `main` answers for other verbs
             raise KeyboardInterrupt
+        if status == 141:  # who read it went away
+            raise BrokenPipeError
         if status:
             say(f"-- {verb}: not yet; watching")
             break
