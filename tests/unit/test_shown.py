@@ -81,6 +81,8 @@ def test_a_file_whose_name_no_document_can_hold(project: Path) -> None:
     status, _, err = run_command("assess")
     assert (status, "internal error" in err) == (2, False)  # a document that cannot be used
     assert "caf?.yaml" in (project / "out/assess/matrix.md").read_text("utf-8")
+    status, sarif, _ = run_command("trace", "--as-is", "--format", "sarif")
+    assert (status, '"requirements/caf%E9.yaml"' in sarif) == (2, True)
 
 
 def _replaced(name: str, old: str, new: str) -> Callable[[Path], None]:

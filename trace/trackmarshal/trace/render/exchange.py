@@ -62,7 +62,9 @@ def _result(
 
 
 def _location(place: Place, where: Callable[[str], str]) -> dict[str, Any]:
-    location: dict[str, Any] = {"artifactLocation": {"uri": quote(where(place.file))}}
+    # A name that is no UTF-8 is quoted by its bytes, which are what it is called.
+    uri = quote(where(place.file), errors="surrogateescape")
+    location: dict[str, Any] = {"artifactLocation": {"uri": uri}}
     if place.line:
         location["region"] = {
             "startLine": place.line,
