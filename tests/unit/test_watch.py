@@ -50,6 +50,17 @@ def test_a_save_makes_a_round_and_nothing_makes_none(tmp_path: Path) -> None:
     assert found == [{"a.spec": "1"}, {"a.spec": "22"}, {}]
 
 
+def test_a_save_in_a_folder_that_a_link_leads_to_makes_a_round(tmp_path: Path) -> None:
+    shared, specs = tmp_path / "shared", tmp_path / "specs"
+    shared.mkdir()
+    specs.mkdir()
+    (shared / "a.spec").write_text("1")
+    (specs / "shared").symlink_to(shared)
+    before = state([specs])
+    (shared / "a.spec").write_text("22")
+    assert state([specs]) != before
+
+
 def test_saves_in_a_row_make_one_round(tmp_path: Path) -> None:
     file, other = tmp_path / "a.spec", tmp_path / "b.yaml"
     file.write_text("1")

@@ -7,7 +7,6 @@ other: the next save is looked at again. Files that are saved together make one 
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -15,6 +14,7 @@ from pathlib import Path
 
 from trackmarshal.cli.output import say
 from trackmarshal.cli.project import find_project, optional_project, spec_folders
+from trackmarshal.files import below
 
 #: Time between two looks, s, and for how long nothing may have changed before a round begins: editors save in several steps.
 LOOK = 0.25
@@ -75,8 +75,7 @@ def state(paths: Sequence[Path]) -> State:
     """Every watched file below some paths; one that goes away meanwhile is not there, nor is a folder."""
     found: State = {}
     for path in paths:
-        inside = (Path(folder, name) for folder, _, names in os.walk(path) for name in names)
-        for file in (one for one in inside if one.suffix in _SUFFIXES) if path.is_dir() else [path]:
+        for file in below(path, _SUFFIXES)[0] if path.is_dir() else [path]:
             try:
                 about = file.stat()
             except OSError:
