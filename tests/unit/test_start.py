@@ -323,6 +323,14 @@ def test_what_cannot_be_written_as_a_whole_is_not_written(tmp_path: Path) -> Non
     assert contents(tmp_path) == {".github": b"no folder"}
 
 
+def test_beside_a_spec_that_cannot_be_read_nothing_is_left_of_a_project(tmp_path: Path) -> None:
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs" / "other.spec").write_bytes(b"module other\n\xff")
+    status, out, err = run_command("init", str(tmp_path))
+    assert (status, out, "error[E004]" in err) == (2, "", True)
+    assert contents(tmp_path) == {"specs/other.spec": b"module other\n\xff"}
+
+
 def test_a_name_that_yaml_and_markdown_could_stumble_over(tmp_path: Path) -> None:
     root = tmp_path / 'it\'s: "a" #{{ car }}\n'
     assert run_command("init", str(root))[0] == 0

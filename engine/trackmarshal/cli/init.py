@@ -25,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.sources import Sources
     from trackmarshal.meaning import tool
     from trackmarshal.start.project import BASELINE, WORKFLOW, init
-    from trackmarshal.start.writing import refuse_present
+    from trackmarshal.start.writing import refuse_present, taken_back
     from trackmarshal.trace import requirements
 
     if args.folder and args.project:
@@ -36,10 +36,11 @@ def run(args: argparse.Namespace) -> int:
     whole = repository(here) or here
     folder = here.relative_to(whole).as_posix() if here != whole else ""
     written = init(root, folder)
-    made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
-    trace.accept_baseline(
-        root.resolve(), made.items, made.tests, [], made.parts, made.run_inputs, engine=tool()
-    )
+    with taken_back(written):  # specs that were there may be unreadable, and what is half a project is none
+        made = Sources(root.resolve(), requirements.load(root.resolve(), [])).facts()
+        trace.accept_baseline(
+            root.resolve(), made.items, made.tests, [], made.parts, made.run_inputs, engine=tool()
+        )
     written.append(root / BASELINE)
     if not args.quiet:
         say(*(f"wrote {path}" for path in written))

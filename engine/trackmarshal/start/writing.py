@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -28,7 +29,7 @@ def write_new(root: Path, texts: Mapping[str, str]) -> list[Path]:
     """
     refuse_present(root, texts)
     written: list[Path] = []
-    try:
+    with taken_back(written):
         for name, text in texts.items():
             path = root / name
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -36,11 +37,18 @@ def write_new(root: Path, texts: Mapping[str, str]) -> list[Path]:
             with path.open("x", encoding="utf-8", newline="\n") as file:
                 written.append(path)
                 file.write(text)
+    return written
+
+
+@contextmanager
+def taken_back(written: list[Path]) -> Iterator[None]:
+    """Remove the files that were written so far where what is done meanwhile raises, also where somebody interrupts."""
+    try:
+        yield
     except BaseException:
         for path in written:
             path.unlink()
         raise
-    return written
 
 
 def refuse_present(root: Path, names: Iterable[str]) -> None:
