@@ -15,12 +15,13 @@ import pytest
 from support.report_runs import cycle, large, other, overtaking, record, recording
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import FaultCase, FaultResult
+from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.report.codes import CODES
 from trackmarshal.trace.report.firings import firing_rows
 from trackmarshal.trace.report.pages import page_names
 from trackmarshal.trace.report.reading import read_run
+from trackmarshal.trace.runs import _fired, _unexpected
 
 #: Elements of HTML that have no end tag.
 VOID = {"meta", "br", "input", "img", "link", "hr"}
@@ -544,6 +545,20 @@ def test_injected_faults_are_a_table(tmp_path: Path) -> None:
         "F-4 bits flip not put in: no computer yet S-1-B-4 – – – not put in",
         "F-5 out of date the specs, the recording or the fault have changed since RR-1 – – – stale",
     ]
+
+
+def test_faults_in_recordings_of_the_clock_of_unix_are_told_apart() -> None:
+    """Six digits made one time of all of them, 1.7e+09 s."""
+    at = 1700000012.25
+    case = FaultCase("f.yaml", "F-1", "late", "RR-1", 3, "a")
+    result = FaultResult("f.yaml", "F-1", "passed", "a", ("late",), "", at, at, "previous_emergency", at - 0.25, "apart", at + 0.25)  # fmt: skip
+    (row,) = trace.fault_rows([case], [result])
+    assert row["cycle"] == "1700000012.25 s"
+    assert row["driven"] == "emergency trajectory of 1700000012 s; nothing from 1700000012.5 s (apart)"
+    fired = RuleFacts("quick", "f", {"driving": {"violated": 1}}, at)
+    run = RunSummary("a.jsonl", "h", "s", 3, (fired,), {}, True, "now", unexpected=(at,))
+    assert _fired(run) == "fired: `quick` at 1700000012.25 s"
+    assert _unexpected(run).startswith("unsafe at 1700000012.25 s, ")
 
 
 def test_without_faults_there_is_no_table(tmp_path: Path) -> None:

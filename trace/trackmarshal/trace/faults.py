@@ -9,6 +9,7 @@ from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec
+from trackmarshal.units import moment
 
 
 def verdict(case: FaultCase, spec: Spec) -> tuple[str, str]:
@@ -29,7 +30,7 @@ def said(result: FaultResult) -> str:
     """What was found, in one sentence."""
     if result.first is None:
         return "nothing fired, as expected"
-    return f"{found_by(result)} at {result.first:g} s; driven instead: {driven(result)}"
+    return f"{found_by(result)} at {moment(result.first)} s; driven instead: {driven(result)}"
 
 
 def found_by(result: FaultResult) -> str:
@@ -46,12 +47,12 @@ def driven(result: FaultResult) -> str:
             words = (
                 "emergency trajectory"
                 if result.since is None
-                else f"emergency trajectory of {result.since:g} s"
+                else f"emergency trajectory of {moment(result.since)} s"
             )
             return (
                 words
                 if result.lost_at is None
-                else f"{words}; nothing from {result.lost_at:g} s ({result.lost})"
+                else f"{words}; nothing from {moment(result.lost_at)} s ({result.lost})"
             )
         case "no_safe_trajectory":
             return f"nothing ({result.lost})" if result.lost else "nothing"
@@ -78,7 +79,7 @@ def rows(cases: Sequence[FaultCase], results: Sequence[FaultResult]) -> list[dic
                 "requirement": case.requirement,
                 "by": "" if known is None else found_by(known),
                 "also": "" if known is None else ", ".join(known.by[1:]),
-                "cycle": f"{known.first:g} s" if known is not None and known.first is not None else "",
+                "cycle": f"{moment(known.first)} s" if known is not None and known.first is not None else "",
                 "driven": "" if known is None else driven(known) if fired else "planned trajectory",
                 "status": status,
                 "detail": "" if status == "covered" else detail,

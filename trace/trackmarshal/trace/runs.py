@@ -10,6 +10,7 @@ from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario
 from trackmarshal.trace.spec import Spec
+from trackmarshal.units import moment
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,7 +230,7 @@ def _wrong(truths: Mapping[str, TruthFacts]) -> str:
 
 def _unexpected(run: RunSummary) -> str:
     """Of a run that was unsafe by what no ground truth speaks of."""
-    return f"unsafe at {run.unexpected[0]:g} s, of which no ground truth says what to expect"
+    return f"unsafe at {moment(run.unexpected[0])} s, of which no ground truth says what to expect"
 
 
 def _contradiction(kind: str, truth: TruthFacts) -> str:
@@ -243,7 +244,7 @@ def _fired(run: RunSummary) -> str:
     who = sorted(
         (entry.first_violation or 0.0, entry.rule) for entry in run.rules if entry.number("violated")
     )
-    return f"fired: `{who[0][1]}` at {who[0][0]:g} s" if who else "fired"
+    return f"fired: `{who[0][1]}` at {moment(who[0][0])} s" if who else "fired"
 
 
 def _quiet(scenario: Scenario, run: RunSummary) -> str:

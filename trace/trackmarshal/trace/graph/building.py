@@ -27,6 +27,7 @@ from trackmarshal.trace.model import Entry, Project, Requirement, matches
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.trace.values import Placed
+from trackmarshal.units import moment
 
 _KIND = {"rule": "rule", "assume": "assumption"}
 #: What the engine calls what rules read or rest on, and what that is here. Other inputs of a rule are no things with a name.
@@ -493,7 +494,7 @@ def _found(case: FaultCase, result: FaultResult) -> Iterator[tuple[str, str]]:
     """What found a fault, in which cycle, and how long after the first one that was changed, s."""
     yield "by", faults.found_by(result)
     if result.first is not None:
-        yield "first", f"{result.first:g}"
+        yield "first", moment(result.first)
         if case.begin is not None:
             yield "after", f"{round(result.first - case.begin, 6):g}"
 

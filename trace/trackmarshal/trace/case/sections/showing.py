@@ -22,6 +22,7 @@ from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, writt
 from trackmarshal.trace.cells import STATUSES
 from trackmarshal.trace.graph.graph import Node
 from trackmarshal.trace.model import Scenario
+from trackmarshal.units import moment
 
 
 def verification(writing: Writing) -> Section:
@@ -139,7 +140,7 @@ def _truth(writing: Writing, one: Scenario, run: RunSummary) -> Line:
         said = joined([(Made(one),) for one in truth.violations], "; ")
         lines.append((Made(kind), Fixed(" "), state, *((Fixed(": "), *said) if said else EMPTY)))
     if one.expect == "ground_truth" and run.unexpected:
-        first = Number(f"unexpected/{run.scenario}", f"{run.unexpected[0]:g}")
+        first = Number(f"unexpected/{run.scenario}", moment(run.unexpected[0]))
         lines.append((Status("failed"), Fixed(": "), *writing.line("truth.unexpected", first=first)))
     if run.uncovered:
         rules = joined([(Code(rule),) for rule in run.uncovered])
