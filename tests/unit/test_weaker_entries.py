@@ -331,3 +331,36 @@ def test_what_is_called_otherwise_is_gone_unless_its_name_says_nothing(
     """A page that shows the same is the same one elsewhere, as far as all else of it is; an id is never given up without a word."""
     ((key, entry),) = before.items()
     assert weaker(before, {name: {**entry, **changed}})[: 1 if gone else None] == [f"{key} is gone"] * gone
+
+
+def replayed(*rules: str) -> Content:
+    return {"scenario s.yaml": {"rules": list(rules)}}
+
+
+@pytest.mark.parametrize(("there", "less"), [(["slow"], True), (["slow", "near"], True), ([], False)])
+def test_a_scenario_replayed_without_a_rule_that_is_there_shows_less(there: list[str], less: bool) -> None:
+    """Also where another rule that it was replayed with is gone, which is told of that."""
+    rules: Content = {f"rule {name}": {} for name in ("slow", "near")}
+    now: Content = {**replayed(), **{f"rule {name}": {} for name in there}}
+    said = [one for one in weaker({**replayed("near", "slow"), **rules}, now) if one.startswith("scenario")]
+    assert said == ["scenario s.yaml: in its rules `near`, `slow` left"] * less
+
+
+@pytest.mark.parametrize("kind", ["rule", "assumption"])
+def test_a_test_that_is_gone_is_told_where_what_it_tests_is_there(kind: str) -> None:
+    test: Content = {"test slow: at it": {"expects": "satisfied"}}
+    there: Content = {f"{kind} slow": {}}
+    assert weaker({**there, **test}, there) == ["test slow: at it is gone"]
+    assert weaker({**there, **test}, {}) == [f"{kind} slow is gone"]
+
+
+def test_of_two_tests_alike_one_that_is_left_under_another_title_is_one() -> None:
+    assert weaker({**case("a", "x", "at it"), **case("a", "x", "on it")}, case("a", "x", "there")) == [
+        "test slow: on it is gone"
+    ]
+
+
+def test_what_a_test_was_is_not_there_under_another_title_while_it_is_another_one() -> None:
+    assert weaker(case("a", "x"), {**case("b", "y"), **case("a", "x", "on it")}) == [
+        "test slow: at it: it was x, and is y"
+    ]
