@@ -364,3 +364,12 @@ def test_what_a_test_was_is_not_there_under_another_title_while_it_is_another_on
     assert weaker(case("a", "x"), {**case("b", "y"), **case("a", "x", "on it")}) == [
         "test slow: at it: it was x, and is y"
     ]
+
+
+@pytest.mark.parametrize("key", ["link-schema", "argument", "waiver W-1", "unreviewed requirement R-1"])
+def test_what_takes_the_place_of_more_or_excuses_is_less_where_it_is_new(key: str) -> None:
+    assert weaker({}, {key: {"says": "a" * 64}}) == [f"{key} is new"]
+
+
+def test_an_objection_that_is_gone_is_less() -> None:
+    assert weaker({"defeater D-1": {"state": "open"}}, {}) == ["defeater D-1 is gone"]
