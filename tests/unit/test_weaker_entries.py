@@ -213,10 +213,9 @@ def test_parts_of_the_world_are_held_by_what_belongs_to_them() -> None:
 
 
 def test_which_part_is_the_vehicle_is_held_from_the_next_acceptance_on() -> None:
-    earlier, others, vehicle = (
-        {"subsystem TP": {"title": "others", **role}}
-        for role in ({}, {"role": "environment"}, {"role": "vehicle"})
-    )
+    earlier: Content = {"subsystem TP": {"title": "others"}}
+    others: Content = {"subsystem TP": {"title": "others", "role": "environment"}}
+    vehicle: Content = {"subsystem TP": {"title": "others", "role": "vehicle"}}
     assert list(changes(earlier, vehicle)) == []
     assert weaker(others, vehicle) == ["subsystem TP: its role changed from environment to vehicle"]
 
