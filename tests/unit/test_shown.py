@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -122,6 +123,32 @@ def test_whatever_changed_is_made_anew(
     edit(project)
     run_command("assess")
     assert set(made) == expected
+
+
+def test_what_is_kept_rests_on_the_sources_of_the_matrix(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Which of a checkout lie elsewhere: an answer of what read a project before was kept when that was edited."""
+    copy, found = tmp_path / "matrix", tool.find_spec
+    shutil.copytree(REPOSITORY / "trace/trackmarshal/trace", copy, ignore=shutil.ignore_patterns("*.pyc"))
+    before = tool.whole(), tool.tool()
+    elsewhere = SimpleNamespace(submodule_search_locations=[str(copy)])
+    monkeypatch.setattr(
+        tool, "find_spec", lambda name: elsewhere if name == "trackmarshal.trace" else found(name)
+    )
+    said = []
+    try:
+        for text in (b"", b"# otherwise\n"):
+            with (copy / "matrix.py").open("ab") as file:
+                file.write(text)
+            for kept in (tool.whole, tool.tool, tool._own):
+                kept.cache_clear()
+            said.append((tool.whole(), tool.tool()))
+    finally:
+        for kept in (tool.whole, tool.tool, tool._own):
+            kept.cache_clear()
+    assert said[0] == before
+    assert (said[1][0] != before[0], said[1][1]) == (True, before[1])
 
 
 @pytest.mark.parametrize("changed", ["numpy", "evaluator"])
