@@ -18,6 +18,7 @@ from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
+from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.saving import damaged
 from trackmarshal.runtime.settings import as_plain
@@ -206,9 +207,10 @@ def nearest(run: Run, box: Rulebox, place: int) -> tuple[Snapshot | None, Trackm
 def box_of(run: Run, spec: Spec, backend: str | None = None) -> Rulebox:
     """Rules as those of a record, with another backend where one is given, or the recorded one is none of ours.
 
-    Raises E401 and others for another spec.
+    Raises E401 and others for another spec, and D162 where places of members would be taken for those of its enumerations.
     """
     identity = run.identity
     own = str(identity.get("backend"))
     evaluator = Evaluator(spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0]))
+    check_named(run.members, of_cycles(spec, evaluator.rules), run.source)
     return rulebox(evaluator, identity.get("params"), identity.get("tables"))

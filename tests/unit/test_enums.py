@@ -19,6 +19,7 @@ from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.process.messages import Entry, LinkError
+from trackmarshal.runtime import record
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.record import read
@@ -214,6 +215,99 @@ def test_a_record_is_replayed_with_members(tmp_path: Path) -> None:
         ["no_member"],
         [],
     ]
+
+
+#: The same members in other places, and one more.
+WIDER = SPEC.replace("green, yellow, red", "grey, red, yellow, green")
+#: Of fields that are no SI, cycles are kept as they came in.
+IN_KMH = ("v: m/s, lane", "v: m/s, w: km/h default 0 km/h, lane")
+
+
+def driven(path: Path, text: str, given: list[Cycle]) -> list[bool]:
+    """What a Supervisor says of cycles, and keeps."""
+    now = [0.0]
+    live = supervisor(loads(text), limits=typed.LIMITS, clock=lambda: now[0], record=path)
+    safe = []
+    for now[0], one in enumerate(given):
+        safe.append(live.step(one).safe)
+    live.close()
+    return safe
+
+
+def of_places(number: int, **ego: Any) -> Cycle:
+    """A cycle with members as a planner in C has them: numbers, of each kind."""
+    one = cycle(number, **ego)
+    one.driving["lane"] = np.zeros(2, dtype=np.uint8)
+    one.signals["objects"] = {"x": np.zeros(2), "seen": [0, np.float32(1)]}
+    return one
+
+
+@pytest.mark.parametrize("text", [SPEC, SPEC.replace(*IN_KMH)])
+def test_a_record_has_members_that_another_enumeration_puts_elsewhere(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "run.arrows"
+    given = [
+        of_places(0, seen=0, lit=False),
+        of_places(1, seen=2, lit=False),
+        of_places(2, seen=np.int8(1), lit=False),
+        of_places(3, seen=0, lit=False),
+        of_places(4, seen=0, lit=False),
+    ]
+    given[3].driving["lane"] = [0, 2]
+    given[4].signals["objects"] = [{"x": 0.0, "seen": 1}, {"x": 0.0, "seen": 2}]
+    safe = driven(path, text, given)
+    assert safe == [True, False, False, False, False]
+    run = read(path.read_bytes(), str(path))
+    for other in (text, text.replace("green, yellow, red", "grey, red, yellow, green")):
+        assert [decision.safe for decision, _ in rerun(run, box_of(run, loads(other)))] == safe
+        outcome = tm.replay(tm.load_recording(path), tm.Evaluator(loads(other)))
+        assert [all(one.safe for one in outcome.results.values()) for outcome in outcome.cycles] == safe
+    same = [found for _, found in rerun(run, box_of(run, loads(text)))]
+    assert same == [[]] * 5
+    gone = text.replace("green, yellow, red", "green, red").replace("default yellow", "default green")
+    for decision, _ in rerun(run, box_of(run, loads(gone))):
+        assert {name_of(fault) for fault in decision.faults} == {"no_member"}
+
+
+@pytest.mark.parametrize("text", [SPEC, SPEC.replace(*IN_KMH)])
+@pytest.mark.parametrize(
+    "seen", [3, -1, 0.5, True, "3", [0], {"a": 0}, np.zeros(1), np.array(2), math.nan, None, 2**70]
+)
+def test_what_is_no_place_of_a_member_is_refused_again_in_the_same_words(
+    tmp_path: Path, seen: Any, text: str
+) -> None:
+    path = tmp_path / "run.arrows"
+    given = [cycle(number) for number in range(5)]
+    given[0].signals["ego"]["seen"] = seen
+    given[1].driving["lane"] = seen
+    given[2].driving["lane"] = [0, seen]
+    given[3].signals["objects"] = {"x": [0.0, 1.0], "seen": np.ma.masked_array([0, 1], [True, False])}
+    given[4].signals["objects"] = [{"x": 0.0, "seen": seen}, {"x": 0.0, "seen": 0}]
+    driven(path, text, given)
+    run = read(path.read_bytes(), str(path))
+    assert [found for _, found in rerun(run, box_of(run, loads(text)))] == [[]] * 5
+
+
+def test_places_of_members_that_nobody_named_are_not_guessed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Records of before: their heads do not say what their numbers stand for."""
+    monkeypatch.setattr(record, "listed", lambda members: None)
+    path, spec = tmp_path / "run.arrows", tmp_path / "m.spec"
+    driven(path, SPEC, [cycle(0, seen="red")])
+    spec.write_text(SPEC)
+    run = read(path.read_bytes(), str(path))
+    with pytest.raises(tm.TrackmarshalError, match=r"D162.*driving.lane"):
+        box_of(run, loads(SPEC))
+    with pytest.raises(tm.TrackmarshalError, match="D162"):
+        tm.replay(tm.load_recording(path), tm.Evaluator(loads(SPEC)))
+    of = ["--spec", str(spec), "--quiet"]
+    for verb in (
+        ["replay", str(path), *of],
+        ["explain", str(path), "--rule", "lanes", "--at", "0", *of],
+        ["compile", str(spec), "--target", "c", "--out", str(tmp_path / "c"), "--cycles", str(path)],
+    ):
+        assert main(verb) == 2, verb
+        assert "D162" in capsys.readouterr().err, verb
 
 
 # Messages ---------------------------------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 
 - `row`: how many rows come before it in the file, whatever they are (records before version 3 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
-- `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
+- `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI, members of enumerations by the places that the head names; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
 - `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
@@ -38,6 +38,7 @@ from trackmarshal.runtime.door.values import entries, is_a, is_masked, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame, Packed
 from trackmarshal.runtime.lines import Line
+from trackmarshal.runtime.members import Members, by_name, listed, members_of, unlisted
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.runtime.stencil import Stencils, letters
@@ -113,6 +114,7 @@ class Record:
             "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
         head["inputs"] = [list(one) for one in self._inputs]
+        head["members"] = listed(members_of(contract))
         self._layout = Layout(_columns(self._inputs), head)
         places = enumerate(self._inputs, len(_TIMES) + 2)  # behind the row, and what came in
         self._stencils = Stencils(
@@ -341,7 +343,9 @@ class Recorded:
 @dataclass(frozen=True, slots=True)
 class Run:
     """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
-    written; snapshots: the whole ones, in order; damage: what is gone from it or changed in it, in words, empty for nothing."""
+    written; snapshots: the whole ones, in order; damage: what is gone from it or changed in it, in words, empty for nothing.
+
+    members: those of the enumerations of then, which its cycles have by name; None where it does not say them. source: its path."""
 
     identity: dict[str, Any]
     limits: Limits
@@ -351,6 +355,8 @@ class Run:
     missed: int = 0
     snapshots: tuple[Snapshot, ...] = ()
     damage: str = ""
+    members: Members | None = None
+    source: str = ""
 
 
 def is_record(data: bytes) -> bool:
@@ -381,6 +387,7 @@ def read(data: bytes, shown: str) -> Run:
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
+        members = unlisted(head.get("members"))
         places = version >= VERSION
         if layout.columns != tuple(_columns(inputs, places)):
             raise ValueError("its columns are not those of its inputs")
@@ -388,6 +395,7 @@ def read(data: bytes, shown: str) -> Run:
         raise TrackmarshalError(
             "D162", "the head of the record lacks what it should say", file=shown, help=str(error)
         ) from error
+    states = {signal for part, signal, *_ in inputs if part == "number"}
     cycles: list[Recorded] = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
@@ -403,6 +411,8 @@ def read(data: bytes, shown: str) -> Run:
             missed += int(values[len(_TIMES) - 1])
             if values[-len(_DECISION)]:
                 cycles.append(_recorded(values, inputs, kept))
+                if members and type(cycles[-1].cycle) is Cycle:
+                    by_name(cycles[-1].cycle, members, states)
             elif not values[len(_TIMES)]:
                 counted = int(values[0])
             elif not gone:  # what comes after a gap is of cycles that are counted otherwise
@@ -426,6 +436,7 @@ def read(data: bytes, shown: str) -> Run:
         damage = gone
     return Run(
         identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
+        members, shown,
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.door import stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.frame import Settings
+from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.record import Run
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
@@ -27,7 +28,9 @@ def of_recording(
 
 
 def of_run(run: Run, source: Source, settings: Settings) -> Iterator[str]:
-    """The lines of a file: cycles at the times that the clock showed, with the limits of the run."""
+    """The lines of a file: cycles at the times that the clock showed, with the limits of the run. Raises D162."""
+    assert source.supervised is not None
+    check_named(run.members, source.supervised.contract, run.source)
     given = ((_cycle(one.cycle), *one.readings) for one in run.cycles)
     return _lines(source, settings, run.limits, given)
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.members import check_named
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.units import moment
@@ -106,8 +108,11 @@ def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable
             )
 
 
-def check_track(recording: Recording, evaluator: Evaluator) -> None:
-    """Raise D146 where rules read places of another track than the one that the recording names."""
+def check_fit(recording: Recording, evaluator: Evaluator) -> None:
+    """Raise D146 where rules read places of another track than the one that the recording names, and D162 where a member that they
+    may read is a place that an old record does not name."""
+    if recording.unnamed:
+        check_named(None, of_cycles(evaluator.spec, evaluator.rules), recording.source)
     name = recording.track.get("name")
     problem = elsewhere(places_of(evaluator.spec, evaluator.rules), name) if isinstance(name, str) else ""
     if problem:

@@ -81,6 +81,8 @@ class Recording:
     of_specs: str = field(default="", compare=False)
     #: Whether it was generated from a declaration, and nobody recorded it.
     generated: bool = field(default=False, compare=False)
+    #: Whether it has members of enumerations by places of which nobody knows the names: it was an old record of a run.
+    unnamed: bool = field(default=False, compare=False)
 
     def standing(self, cycle: Cycle) -> list[dict[str, Any]]:
         """The obstacles of a cycle."""

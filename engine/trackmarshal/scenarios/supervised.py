@@ -26,7 +26,7 @@ from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.program import NOTHING, Judged, Memory
 from trackmarshal.runtime.record import read
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.scenarios.fields import ELSEWHERE, check_track, further_names, own_names
+from trackmarshal.scenarios.fields import ELSEWHERE, check_fit, further_names, own_names
 from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording
@@ -80,7 +80,7 @@ def supervised(
     What the door refuses is judged all the same, as far as it can be, to be shown. The car of a recording did not follow the
     decisions, so where it is says nothing about them (`Limits.open_loop`). `watch` wraps the chunks of work.
     """
-    check_track(recording, evaluator)
+    check_fit(recording, evaluator)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     clock = _Clock()
     supervisor = box.supervisor(box.open_loop, clock.read)
@@ -99,7 +99,7 @@ def supervised(
 
 def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int) -> Frame:
     """One cycle, by its place in the recording, as rules see it in `supervised`; a candidate's part is `of` its name."""
-    check_track(recording, evaluator)
+    check_fit(recording, evaluator)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     door = box.supervisor(box.open_loop).door
     for cycle in islice(cycles(recording, further_names(recording, evaluator)), place + 1):
@@ -109,7 +109,7 @@ def frame_at(recording: Recording, evaluator: Evaluator, tables: Mapping[str, An
 
 def frames(recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any]) -> list[Frame]:
     """All cycles of a recording as rules see them in `supervised`; a candidate's part is `of` its name."""
-    check_track(recording, evaluator)
+    check_fit(recording, evaluator)
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     door = box.supervisor(box.open_loop).door
     given = list(cycles(recording, further_names(recording, evaluator)))
@@ -120,7 +120,7 @@ def run_until(
     recording: Recording, evaluator: Evaluator, tables: Mapping[str, Any], place: int
 ) -> tuple[Judged, list[Past], int]:
     """What rules say of a cycle, by its place in the recording, the cycles before it, and how many are missing after the last of those."""
-    check_track(recording, evaluator)
+    check_fit(recording, evaluator)
     clock = _Clock()
     box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
     supervisor = box.supervisor(box.open_loop, clock.read)
@@ -299,7 +299,9 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     if left_out:
         notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
     params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
-    return Recording(name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes))
+    return Recording(
+        name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), unnamed=run.members is None
+    )  # fmt: skip
 
 
 def _plain(value: Any) -> Any:

@@ -21,7 +21,7 @@ from trackmarshal.scenarios.faults.around import Around
 from trackmarshal.scenarios.faults.declaration import Campaign, Expected, Fault
 from trackmarshal.scenarios.faults.judging import Judging
 from trackmarshal.scenarios.faults.moment import Moment
-from trackmarshal.scenarios.fields import check_track, further_names
+from trackmarshal.scenarios.fields import check_fit, further_names
 from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles, pass_gap
@@ -68,7 +68,7 @@ class Bench:
     """A recording and its rules, ready for faults; with the limits of the rules' spec, unless others are given."""
 
     def __init__(self, recording: Recording, evaluator: Evaluator, limits: Limits | None = None) -> None:
-        check_track(recording, evaluator)
+        check_fit(recording, evaluator)
         tables, _ = known_tables(recording, evaluator.spec)
         self._box = rulebox(evaluator, known_params(recording, evaluator.spec), tables)
         self._limits = limits_with(evaluator.spec, {}, self._box.settings) if limits is None else limits
