@@ -146,7 +146,9 @@ def disturbed(text: str, data: st.DataObject, *, comments: bool = True) -> str:
         token = match.group()
         if token == "\n" and comments:
             if seed.random() < 0.2:
-                out.append("  " * seed.randrange(2) + seed.choice(COMMENTS))
+                # Right behind a name, what begins with a letter reads as two minus signs.
+                comment = seed.choice(COMMENTS)
+                out.append("  " * (comment[2:3].isalnum() or seed.randrange(2)) + comment)
             out.append("\n" * (1 + (seed.random() < 0.2)))
             if seed.random() < 0.1:
                 out.append(seed.choice(["", "  ", "\t"]) + seed.choice(COMMENTS) + "\n")

@@ -19,8 +19,8 @@ _START = re.compile(
     rf'|(?!(?:{"|".join(sorted(RESERVED))})\b)(?P<word>[A-Za-z_][A-Za-z0-9_]*)[ \t]+["A-Za-z_])',
     re.MULTILINE,
 )
-# A comment that stands behind a number, a name or a bracket without a blank, and begins with a number or a bracket.
-_MINUSES = re.compile(r"(?<=[\w)\]}%²³])--(?=[0-9.(])")
+# A comment without a blank behind a number, a name or a bracket, and before one.
+_MINUSES = re.compile(r"(?<=[\w)\]}%²³])--(?=[\w.(])")
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
 
 # The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style.
