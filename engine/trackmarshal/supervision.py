@@ -18,7 +18,7 @@ from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.runtime.members import check_named
+from trackmarshal.runtime.members import check_named, listed
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.saving import damaged
 from trackmarshal.runtime.settings import as_plain
@@ -80,7 +80,8 @@ def rulebox(
     settings = evaluator.reader.settings(given)
     if settings.broken:
         raise TrackmarshalError("E403", settings.broken[0], help="change the parameters")
-    return Rulebox(evaluator, settings, {**evaluator.identity, **as_plain(given)})
+    identity = {**evaluator.identity, **as_plain(given), "members": listed(evaluator.spec)}
+    return Rulebox(evaluator, settings, identity)
 
 
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:

@@ -13,13 +13,12 @@ from jsonschema import Draft202012Validator
 
 import trackmarshal as tm
 from support import typed
-from trackmarshal import scenarios
+from trackmarshal import scenarios, supervision
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.process.messages import Entry, LinkError
-from trackmarshal.runtime import record
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.record import read
@@ -268,6 +267,18 @@ def test_a_record_has_members_that_another_enumeration_puts_elsewhere(tmp_path: 
         assert {name_of(fault) for fault in decision.faults} == {"no_member"}
 
 
+def test_members_that_nobody_read_are_known_later(tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    text = SPEC.replace(*IN_KMH)
+    given = [of_places(0, seen=2, lit=False, w=0.0)]
+    given[0].signals["more"] = {"flags": 1}
+    more = "enum other {{ {} }}\nsignal more : state {{ flags: other }}\n"
+    driven(path, text.replace("\nrule seen", "\n" + more.format("a, b") + "rule seen"), given)
+    run = read(path.read_bytes(), str(path))
+    assert type(run.cycles[0].cycle) is Cycle
+    assert run.cycles[0].cycle.signals["more"] == {"flags": "b"}
+
+
 @pytest.mark.parametrize("text", [SPEC, SPEC.replace(*IN_KMH)])
 @pytest.mark.parametrize(
     "seen", [3, -1, 0.5, True, "3", [0], {"a": 0}, np.zeros(1), np.array(2), math.nan, None, 2**70]
@@ -291,12 +302,12 @@ def test_places_of_members_that_nobody_named_are_not_guessed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Records of before: their heads do not say what their numbers stand for."""
-    monkeypatch.setattr(record, "listed", lambda members: None)
+    monkeypatch.setattr(supervision, "listed", lambda spec: None)
     path, spec = tmp_path / "run.arrows", tmp_path / "m.spec"
     driven(path, SPEC, [cycle(0, seen="red")])
     spec.write_text(SPEC)
     run = read(path.read_bytes(), str(path))
-    with pytest.raises(tm.TrackmarshalError, match=r"D162.*driving.lane"):
+    with pytest.raises(tm.TrackmarshalError, match=r"D162.*plan.lane"):
         box_of(run, loads(SPEC))
     with pytest.raises(tm.TrackmarshalError, match="D162"):
         tm.replay(tm.load_recording(path), tm.Evaluator(loads(SPEC)))

@@ -2,45 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Sequence
 from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.reads import PLAN
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import Contract
-from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
+from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.door.values import floats, is_array, number
 
-#: The members of each field that has some, in order: by the signal (`driving` and `emergency` for the plan), and the field.
-Members = Mapping[tuple[str, str], tuple[str, ...]]
+#: Fields that have members: their signals, names, whether they are columns, and the members in order. A field of the plan is one of both candidates.
+Members = Sequence[tuple[str, str, bool, Sequence[str]]]
 
 
-def members_of(contract: Contract) -> Members:
-    """The members of each field of a contract that has some."""
-    assert contract.plan is not None
-    called = [(name, contract.plan) for name in (DRIVING, EMERGENCY)] + [
-        (s.name, s) for s in contract.signals
+def listed(spec: Spec) -> list[list[Any]]:
+    """Those of all fields that a spec declares, read or not: a later rule may read what came in and nobody read."""
+    return [
+        [signal.name, field.name, signal.many or signal.sequence, list(field.enumeration.members)]
+        for signal in spec.signals.values()
+        for field in signal.fields_
+        if field.enumeration is not None
     ]
-    return {(name, field.name): field.members for name, s in called for field in s.fields_ if field.members}
-
-
-def listed(members: Members) -> list[list[Any]]:
-    """As the head of a record says it."""
-    return [[signal, field, list(names)] for (signal, field), names in members.items()]
 
 
 def unlisted(given: Any) -> Members | None:
-    """What the head of a record says; None where it is of a time when heads did not. Raises ValueError for another shape."""
+    """What a record says of them; None where it is of a time when records did not. Raises ValueError for another shape."""
     if given is None:
         return None
-    found = {(signal, field): tuple(names) for signal, field, names in given}
-    if not all(type(text) is str for place, names in found.items() for text in (*place, *names)):
+    found = [(signal, field, column, tuple(names)) for signal, field, column, names in given]
+    if any(
+        type(column) is not bool or not {str}.issuperset(map(type, (signal, field, *names)))
+        for signal, field, column, names in found
+    ):
         raise ValueError("its members are no names")
     return found
 
 
 def check_named(members: Members | None, contract: Contract, shown: str) -> None:
     """Raise D162 for a record that has members by their places, and does not say of which enumerations these are."""
-    fields = [f"`{signal}.{field}`" for signal, field in members_of(contract)] if members is None else []
+    if members is not None:
+        return
+    assert contract.plan is not None
+    fields = [
+        f"`{signal.name}.{field.name}`"
+        for signal in (contract.plan, *contract.signals)
+        for field in signal.fields_
+        if field.members
+    ]
     if fields:
         raise TrackmarshalError(
             "D162", f"the record does not say of which members {fields[0]} has the places", file=shown,
@@ -48,31 +57,33 @@ def check_named(members: Members | None, contract: Contract, shown: str) -> None
         )  # fmt: skip
 
 
-def by_name(cycle: Cycle, members: Members, states: Container[str]) -> None:
+def by_name(cycle: Cycle, members: Members) -> None:
     """Give the members in a cycle that was read, which nobody else has, by name: each place that is one, and nothing else, is replaced.
 
-    states: the signals that have one value a field. What the door would refuse stays as it came in, since it is quoted.
+    What the door would refuse stays as it came in, since it is quoted.
     """
-    for (signal, field), names in members.items():
-        given = {DRIVING: cycle.driving, EMERGENCY: cycle.emergency}.get(signal)
-        if given is None and isinstance(cycle.signals, dict):
-            given = cycle.signals.get(signal)
-        if isinstance(given, dict) and field in given:
-            given[field] = (_one if signal in states else _column)(given[field], names)
-        elif isinstance(given, list | tuple):  # a set, a record an element
-            for one in given:
-                if isinstance(one, dict) and field in one:
-                    one[field] = _one(one[field], names)
+    for signal, field, column, names in members:
+        for given in (cycle.driving, cycle.emergency) if signal == PLAN else (_held(cycle.signals, signal),):
+            if isinstance(given, dict) and field in given:
+                given[field] = (_column if column else _one)(given[field], names)
+            elif isinstance(given, list | tuple) and column:  # a set, a record an element
+                for one in given:
+                    if isinstance(one, dict) and field in one:
+                        one[field] = _one(one[field], names)
 
 
-def _column(value: Any, names: tuple[str, ...]) -> Any:
+def _held(signals: Any, name: str) -> Any:
+    return signals.get(name) if isinstance(signals, dict) else None
+
+
+def _column(value: Any, names: Sequence[str]) -> Any:
     if is_array(value) and value.ndim == 1 and value.size:
         made = floats(value)
         return value if made is None else [_one(entry, names) for entry in made.tolist()]
     return [_one(entry, names) for entry in value] if isinstance(value, list | tuple) else value
 
 
-def _one(value: Any, names: tuple[str, ...]) -> Any:
+def _one(value: Any, names: Sequence[str]) -> Any:
     place = number(value)
     known = place is not None and place.is_integer() and 0 <= place < len(names)
     return names[int(place)] if place is not None and known else value

@@ -38,7 +38,7 @@ from trackmarshal.runtime.door.values import entries, is_a, is_masked, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame, Packed
 from trackmarshal.runtime.lines import Line
-from trackmarshal.runtime.members import Members, by_name, listed, members_of, unlisted
+from trackmarshal.runtime.members import Members, by_name, unlisted
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.runtime.stencil import Stencils, letters
@@ -114,7 +114,6 @@ class Record:
             "limits": {name: _spelt(value) for name, value in asdict(limits).items()},
         }
         head["inputs"] = [list(one) for one in self._inputs]
-        head["members"] = listed(members_of(contract))
         self._layout = Layout(_columns(self._inputs), head)
         places = enumerate(self._inputs, len(_TIMES) + 2)  # behind the row, and what came in
         self._stencils = Stencils(
@@ -387,7 +386,7 @@ def read(data: bytes, shown: str) -> Run:
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
-        members = unlisted(head.get("members"))
+        members = unlisted(identity.get("members"))
         places = version >= VERSION
         if layout.columns != tuple(_columns(inputs, places)):
             raise ValueError("its columns are not those of its inputs")
@@ -395,7 +394,6 @@ def read(data: bytes, shown: str) -> Run:
         raise TrackmarshalError(
             "D162", "the head of the record lacks what it should say", file=shown, help=str(error)
         ) from error
-    states = {signal for part, signal, *_ in inputs if part == "number"}
     cycles: list[Recorded] = []
     end = len(layout.schema)
     kept: dict[tuple[str, str], Any] = {}
@@ -412,7 +410,7 @@ def read(data: bytes, shown: str) -> Run:
             if values[-len(_DECISION)]:
                 cycles.append(_recorded(values, inputs, kept))
                 if members and type(cycles[-1].cycle) is Cycle:
-                    by_name(cycles[-1].cycle, members, states)
+                    by_name(cycles[-1].cycle, members)
             elif not values[len(_TIMES)]:
                 counted = int(values[0])
             elif not gone:  # what comes after a gap is of cycles that are counted otherwise
