@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import BACKENDS, Evaluator, broken_constraints
 from trackmarshal.ir.spec import Spec
+from trackmarshal.runtime import members, written_units
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.runtime.members import check_named, listed
 from trackmarshal.runtime.record import Difference, Record, Run, differences
 from trackmarshal.runtime.saving import damaged
 from trackmarshal.runtime.settings import as_plain
@@ -80,8 +80,10 @@ def rulebox(
     settings = evaluator.reader.settings(given)
     if settings.broken:
         raise TrackmarshalError("E403", settings.broken[0], help="change the parameters")
-    identity = {**evaluator.identity, **as_plain(given), "members": listed(evaluator.spec)}
-    return Rulebox(evaluator, settings, identity)
+    spec = evaluator.spec
+    units = {**written_units.of_fields(spec.signals.values()), **written_units.of_values(spec, **given)}
+    meant = {"members": members.listed(spec), "units": written_units.listed(units)}
+    return Rulebox(evaluator, settings, {**evaluator.identity, **as_plain(given), **meant})
 
 
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
@@ -208,10 +210,16 @@ def nearest(run: Run, box: Rulebox, place: int) -> tuple[Snapshot | None, Trackm
 def box_of(run: Run, spec: Spec, backend: str | None = None) -> Rulebox:
     """Rules as those of a record, with another backend where one is given, or the recorded one is none of ours.
 
-    Raises E401 and others for another spec, and D162 where places of members would be taken for those of its enumerations.
+    Raises E401 and others for another spec, and D162 where numbers of the record would be taken in its units, or for places of its members.
     """
     identity = run.identity
     own = str(identity.get("backend"))
     evaluator = Evaluator(spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0]))
-    check_named(run.members, of_cycles(spec, evaluator.rules), run.source)
-    return rulebox(evaluator, identity.get("params"), identity.get("tables"))
+    contract, params, tables = (
+        of_cycles(spec, evaluator.rules),
+        identity.get("params"),
+        identity.get("tables"),
+    )
+    members.check_named(run.members, contract, run.source)
+    written_units.check_units(run.units, spec, contract, params or {}, tables or {}, run.source)
+    return rulebox(evaluator, params, tables)

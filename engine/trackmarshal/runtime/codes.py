@@ -46,7 +46,7 @@ CODES = {
     "E485": ("a declared limit that is none", "The parameters of the module `supervisor.limits` are the limits that a project's Supervisors are set up with: by the names of docs/supervisor.md, in their units, capacities as whole numbers from 2 to 2147483647."),
     "E486": ("what rules remember cannot be saved", "The evaluator keeps all of a run (`reference`), or a cycle is called by something that JSON has no word for. A replay starts at the beginning."),
     "D161": ("a record without a whole head", "The file begins like a record of a run, but its first block is damaged or cut off. Cycles are only readable with it."),
-    "D162": ("a record of another version", "The head of the record names another format or version, or lacks what this one says, such as of which members of an enumeration it has the places."),
+    "D162": ("a record of another version", "The head of the record names another format or version, or lacks what this one says, such as of which members of an enumeration it has the places; or it has numbers in other units than the spec at hand declares, and would be of something else under that."),
     "D163": ("a snapshot that is damaged", "What rules remembered was saved with a digest, and in a form that is checked; one of them does not fit. Nothing is restored of it: a replay starts at an earlier snapshot, or at the beginning."),
     "D164": ("a snapshot of something else", "What rules remembered is restored only by the same evaluator, for the same spec, rules, parameters and tables, in the same version; generated C has to be the same program too. A replay from the beginning needs no snapshot."),
 }  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Any
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.reads import PLAN
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.contract import Contract
+from trackmarshal.runtime.contract import Contract, Field
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.door.values import floats, is_array, number
 
@@ -39,17 +39,21 @@ def unlisted(given: Any) -> Members | None:
     return found
 
 
+def numbers_of(contract: Contract) -> dict[str, Field]:
+    """The fields of a contract that are numbers, by signal and name."""
+    assert contract.plan is not None
+    return {
+        f"{signal.name}.{field.name}": field
+        for signal in (contract.plan, *contract.signals)
+        for field in signal.numbers
+    }
+
+
 def check_named(members: Members | None, contract: Contract, shown: str) -> None:
     """Raise D162 for a record that has members by their places, and does not say of which enumerations these are."""
     if members is not None:
         return
-    assert contract.plan is not None
-    fields = [
-        f"`{signal.name}.{field.name}`"
-        for signal in (contract.plan, *contract.signals)
-        for field in signal.fields_
-        if field.members
-    ]
+    fields = [f"`{name}`" for name, field in numbers_of(contract).items() if field.members]
     if fields:
         raise TrackmarshalError(
             "D162", f"the record does not say of which members {fields[0]} has the places", file=shown,

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.runtime import written_units
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
@@ -42,6 +43,7 @@ from trackmarshal.runtime.members import Members, by_name, unlisted
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.runtime.stencil import Stencils, letters
+from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
@@ -344,7 +346,8 @@ class Run:
     """A record that was read. ended: whether it was closed; rest: bytes behind the last whole cycle; missed: cycles that could not be
     written; snapshots: the whole ones, in order; damage: what is gone from it or changed in it, in words, empty for nothing.
 
-    members: those of the enumerations of then, which its cycles have by name; None where it does not say them. source: its path."""
+    members: those of the enumerations of then, which its cycles have by name; units: those in which its numbers are; None where it does not
+    say them. source: its path."""
 
     identity: dict[str, Any]
     limits: Limits
@@ -355,6 +358,7 @@ class Run:
     snapshots: tuple[Snapshot, ...] = ()
     damage: str = ""
     members: Members | None = None
+    units: Units | None = None
     source: str = ""
 
 
@@ -387,6 +391,7 @@ def read(data: bytes, shown: str) -> Run:
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
         members = unlisted(identity.get("members"))
+        units = written_units.unlisted(identity.get("units"))
         places = version >= VERSION
         if layout.columns != tuple(_columns(inputs, places)):
             raise ValueError("its columns are not those of its inputs")
@@ -434,7 +439,7 @@ def read(data: bytes, shown: str) -> Run:
         damage = gone
     return Run(
         identity, limits, tuple(cycles), ended, 0 if ended else len(rest), missed, tuple(snapshots.whole), damage,
-        members, shown,
+        members, units, shown,
     )  # fmt: skip
 
 

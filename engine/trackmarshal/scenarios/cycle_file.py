@@ -12,6 +12,7 @@ from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.record import Run
+from trackmarshal.runtime.written_units import check_units
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
 
@@ -30,9 +31,15 @@ def of_recording(
 def of_run(run: Run, source: Source, settings: Settings) -> Iterator[str]:
     """The lines of a file: cycles at the times that the clock showed, with the limits of the run. Raises D162."""
     assert source.supervised is not None
-    check_named(run.members, source.supervised.contract, run.source)
-    given = ((_cycle(one.cycle), *one.readings) for one in run.cycles)
-    return _lines(source, settings, run.limits, given)
+    contract, params, tables = (
+        source.supervised.contract,
+        run.identity.get("params"),
+        run.identity.get("tables"),
+    )
+    check_named(run.members, contract, run.source)
+    check_units(run.units, source.plan.spec, contract, params or {}, tables or {}, run.source)
+    steps = ((_cycle(one.cycle), *one.readings) for one in run.cycles)
+    return _lines(source, settings, run.limits, steps)
 
 
 def _cycle(recorded: object) -> Cycle | None:

@@ -12,6 +12,7 @@ from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.members import check_named
+from trackmarshal.runtime.written_units import check_units
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.units import moment
@@ -109,10 +110,19 @@ def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable
 
 
 def check_fit(recording: Recording, evaluator: Evaluator) -> None:
-    """Raise D146 where rules read places of another track than the one that the recording names, and D162 where a member that they
-    may read is a place that an old record does not name."""
-    if recording.unnamed:
-        check_named(None, of_cycles(evaluator.spec, evaluator.rules), recording.source)
+    """Raise D146 where rules read places of another track than the one that the recording names, and D162 where what they may read of
+    the record of a run is in another unit than the spec's, or a member that an old one does not name."""
+    if recording.of_run is not None:
+        contract = of_cycles(evaluator.spec, evaluator.rules)
+        check_named(recording.of_run.members, contract, recording.source)
+        check_units(
+            recording.of_run.units,
+            evaluator.spec,
+            contract,
+            recording.params,
+            recording.tables,
+            recording.source,
+        )
     name = recording.track.get("name")
     problem = elsewhere(places_of(evaluator.spec, evaluator.rules), name) if isinstance(name, str) else ""
     if problem:

@@ -7,10 +7,12 @@ turns left, a pose is the centre of the vehicle's rectangle.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.members import Members
+from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import moment
 
 #: A trajectory: equally long lists, by name.
@@ -41,6 +43,13 @@ class Cycle:
     more: dict[str, Any] = field(default_factory=dict)
     obstacles: list[dict[str, Any]] | None = None
     missing: int = 0
+
+
+class OfRun(NamedTuple):
+    """Of which enumerations the places in the record of a run were, and of which units its numbers are; None where an old one does not say it."""
+
+    members: Members | None
+    units: Units | None
 
 
 def only(cycle: Cycle, name: str) -> Cycle:
@@ -81,8 +90,8 @@ class Recording:
     of_specs: str = field(default="", compare=False)
     #: Whether it was generated from a declaration, and nobody recorded it.
     generated: bool = field(default=False, compare=False)
-    #: Whether it has members of enumerations by places of which nobody knows the names: it was an old record of a run.
-    unnamed: bool = field(default=False, compare=False)
+    #: What the record of a run says of the members and the units of then, where it was one.
+    of_run: OfRun | None = field(default=None, compare=False)
 
     def standing(self, cycle: Cycle) -> list[dict[str, Any]]:
         """The obstacles of a cycle."""

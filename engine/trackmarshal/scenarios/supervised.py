@@ -29,7 +29,7 @@ from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.fields import ELSEWHERE, check_fit, further_names, own_names
 from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
-from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.recording import OfRun, Recording
 from trackmarshal.supervision import rulebox
 from trackmarshal.units import moment
 
@@ -300,7 +300,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
         notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
     params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
     return Recording(
-        name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), unnamed=run.members is None
+        name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), of_run=OfRun(run.members, run.units)
     )  # fmt: skip
 
 
