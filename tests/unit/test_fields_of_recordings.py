@@ -268,3 +268,47 @@ def test_numbers_of_other_readers() -> None:
     )  # fmt: skip
     with pytest.raises(TrackmarshalError, match="T290"):
         load_results(Path("runs.json"))
+
+
+#: What recordings have in m/s, rad, 1/m and s.
+IN_OTHER_UNITS = {
+    "objects.v": ("x: m, v: m/s, age", "x: m, v: km/h, age"),
+    "objects.heading": ("x: m, v: m/s, age", "x: m, heading: deg, v: m/s, age"),
+    "plan.kappa": ("v: m/s }\nsignal ego", "v: m/s, kappa: 1/km }\nsignal ego"),
+    "ego.kappa": ("delta: rad", "kappa: 1/km default 0 1/km, delta: rad"),
+}
+
+
+@pytest.mark.parametrize("name", IN_OTHER_UNITS)
+def test_the_formats_own_numbers_are_not_taken_in_another_unit(name: str, tmp_path: Path) -> None:
+    """25 m/s were 25 km/h, and "nobody is faster than 50 km/h" was satisfied."""
+    lines = good()
+    lines[2]["ego"]["kappa"] = 0.1
+    Path("specs/small.spec").write_text(SPEC.replace(*IN_OTHER_UNITS[name]))
+    status, text = replay(lines)
+    assert status == 2
+    assert f"error[D147]: the spec has `{name}` in " in text
+    out = str(tmp_path / "c")
+    compiled = run_command(
+        "compile", "specs/small.spec", "--target", "c", "--out", out, "--cycles", "run.tmrec.jsonl"
+    )
+    assert compiled[0] == 2
+    assert "D147" in compiled[2]
+
+
+def test_what_no_recording_has_may_be_in_any_unit() -> None:
+    """Neither a field of one's own, nor one that is given, in the declared unit, nor a default is taken for something else."""
+    lines = good()
+    lines[0] |= {"given": {"plan.grip": 90}, "because": {"plan.grip": "a dry track"}}
+    lines[2]["ego"]["shown"] = 36.0
+    spec = SPEC.replace("delta: rad", "shown: km/h default 0 km/h, delta: rad").replace(
+        "age: s default 0 s", "age: ms default 0 s"
+    )
+    spec = spec.replace(
+        "heading: rad, v: m/s }\nsignal ego", "heading: rad, v: m/s, grip: % in [0, 200] }\nsignal ego"
+    )
+    rules = 'rule shown "Shown"\n  require ego.shown <= 10 m/s\nrule grips "Grips"\n  for all p in plan\n  require p.grip >= 0.9\n'
+    Path("specs/small.spec").write_text(spec + rules)
+    assert replay(lines)[0] == 0
+    lines[2]["ego"]["shown"] = 36.1
+    assert replay(lines)[0] == 1

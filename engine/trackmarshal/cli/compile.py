@@ -205,12 +205,13 @@ def _used(given: list[tuple[str, Recording | Run]], project: Path | None) -> lis
 def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Iterator[str]:
     """The lines of a file of cycles; raises E403 where the recording's parameters break a constraint."""
     from trackmarshal.scenarios import cycle_file
-    from trackmarshal.scenarios.fields import further_names
+    from trackmarshal.scenarios.fields import check_fit, further_names
     from trackmarshal.scenarios.overrides import known_params, known_tables
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.supervision import rulebox
 
     if isinstance(one, Recording):
+        check_fit(one, evaluator)
         tables, _ = known_tables(one, evaluator.spec)
         settings = rulebox(evaluator, known_params(one, evaluator.spec), tables).settings
         return cycle_file.of_recording(one, source, settings, further_names(one, evaluator))

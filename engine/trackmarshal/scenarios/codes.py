@@ -97,6 +97,12 @@ CODES: dict[str, tuple[str, str]] = {
         "The recording names its track (`\"track\": {\"name\": ..}` in the first line), and rules read places (zones, lines) of another one, which say "
         "nothing there. The module `tracks.NAME` has those of the track NAME: name it in the recording's `use`, or with --with.",
     ),
+    "D147": (
+        "recordings are in other units than the spec",
+        "What the format of recordings has itself, such as speeds of objects, curvatures and ages, is in the units of the SI there. A spec that declares "
+        "one of them in another unit would take 25 m/s for 25 km/h. Declare it in the unit of the SI; what rules ask of it may be in any, and "
+        "fields of one's own are in the unit that the spec declares.",
+    ),
     "D150": (
         "a declaration that cannot be read",
         "Declarations are plain YAML of at most 100 kB: maps, lists, numbers, texts. Anchors, aliases and tags are "

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.contract import EGO, PLAN, of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.written_units import check_units
+from trackmarshal.scenarios.inputs import records_of
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
-from trackmarshal.units import moment
+from trackmarshal.units import moment, parse_unit, show
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -110,9 +111,12 @@ def check_fields(recording: Recording, spec: Spec, others: Callable[[], Iterable
 
 
 def check_fit(recording: Recording, evaluator: Evaluator) -> None:
-    """Raise D146 where rules read places of another track than the one that the recording names, and D162 where what they may read of
-    the record of a run is in another unit than the spec's, or a member that an old one does not name."""
-    if recording.of_run is not None:
+    """Raise D146 where rules read places of another track than the one that the recording names, D147 where the spec has numbers in other units
+    than recordings, and D162 where what rules may read of the record of a run is in another unit than the spec's, or a member that an old
+    one does not name."""
+    if recording.of_run is None:
+        _check_si(recording, evaluator)
+    else:
         contract = of_cycles(evaluator.spec, evaluator.rules)
         check_named(recording.of_run.members, contract, recording.source)
         check_units(
@@ -128,6 +132,27 @@ def check_fit(recording: Recording, evaluator: Evaluator) -> None:
     if problem:
         help_ = f"name a module `tracks.{name}` with them: in the recording's `use`, or with --with"
         raise TrackmarshalError("D146", problem, file=recording.source, help=help_)
+
+
+def _check_si(recording: Recording, evaluator: Evaluator) -> None:
+    """Raise D147 for a number of the format's own that rules, or the contract of every cycle, would take in another unit."""
+    read = {signal for rule in evaluator.rules for signal, _ in rule.reads} | {PLAN, EGO}
+    for name in sorted(read & OWN.keys() & evaluator.spec.signals.keys()):
+        for field in evaluator.spec.signals[name].fields_:
+            if field.name not in OWN[name] or field.kind != "number":
+                continue
+            *scale, dimension = parse_unit(field.unit)
+            if (
+                scale == [1.0, 1.0] or f"{name}.{field.name}" in recording.given
+            ):  # what is given is in the declared unit
+                continue
+            if any(field.name in each for each in records_of(recording, name)):
+                raise TrackmarshalError(
+                    "D147",
+                    f"the spec has `{name}.{field.name}` in {field.unit}, and recordings have it in {show(dimension)}",
+                    file=recording.source,
+                    help=f"declare it in {show(dimension)}; what rules ask of it may be in any unit",
+                )
 
 
 def unnamed_track(recording: Recording, evaluator: Evaluator) -> str:

@@ -33,7 +33,7 @@ def recorded(recording: Recording) -> frozenset[str]:
     """The fields, `plan.grip`, that every record of a signal has, of those signals that there are any records of."""
     found: set[str] = set()
     for signal in SIGNALS:
-        fields = [set(each) for each in _records(recording, signal)]
+        fields = [set(each) for each in records_of(recording, signal)]
         found |= {f"{signal}.{field}" for field in (set.intersection(*fields) if fields else ())}
     return frozenset(found)
 
@@ -74,7 +74,7 @@ def defaulted(recording: Recording, spec: Spec, rules: Iterable[RuleInfo]) -> di
     return {
         f"{signal}.{field}": readers
         for (signal, field), readers in with_default(spec, rules).items()
-        if any(field not in each for each in _records(recording, signal))
+        if any(field not in each for each in records_of(recording, signal))
     }
 
 
@@ -93,8 +93,8 @@ def with_default(spec: Spec, rules: Iterable[RuleInfo]) -> dict[tuple[str, str],
     }
 
 
-def _records(recording: Recording, signal: str) -> Iterator[Mapping[str, Any]]:
-    """Every record, or set of columns, that a recording has of a signal."""
+def records_of(recording: Recording, signal: str) -> Iterator[Mapping[str, Any]]:
+    """Every record, or set of columns, that a recording has of one of `SIGNALS`."""
     if signal == "obstacles":
         yield from recording.obstacles
     for cycle in recording.cycles:

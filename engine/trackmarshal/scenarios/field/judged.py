@@ -14,7 +14,7 @@ from trackmarshal.evaluation import CHUNK, Evaluator
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult
-from trackmarshal.scenarios.fields import further_names
+from trackmarshal.scenarios.fields import check_fit, further_names
 from trackmarshal.scenarios.overrides import known_params, known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, Recording
 from trackmarshal.scenarios.supervised import cycles, shown, supervised
@@ -70,6 +70,7 @@ def judge(
     recording: Recording, evaluator: Evaluator, watch: Callable[[Sequence[Any]], Iterable[Any]] = iter
 ) -> Judgement:
     """All cycles of a recording, through the door, by all rules; `watch` wraps the chunks of work."""
+    check_fit(recording, evaluator)
     tables, _ = known_tables(recording, evaluator.spec)
     times, number = np.array([cycle.t for cycle in recording.cycles]), len(evaluator.rules)
     over_run = [place for place, rule in enumerate(evaluator.rules) if remembers(rule)]
