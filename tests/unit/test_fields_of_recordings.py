@@ -13,7 +13,9 @@ from support.project import run_command
 from support.shared import REPOSITORY, shared
 from support.supervised import shipped
 from trackmarshal import scenarios
+from trackmarshal.cli import operating
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import load
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.fields import check_fields
 
@@ -310,5 +312,7 @@ def test_what_no_recording_has_may_be_in_any_unit() -> None:
     rules = 'rule shown "Shown"\n  require ego.shown <= 10 m/s\nrule grips "Grips"\n  for all p in plan\n  require p.grip >= 0.9\n'
     Path("specs/small.spec").write_text(spec + rules)
     assert replay(lines)[0] == 0
+    recording = scenarios.load(Path("run.tmrec.jsonl"))
+    assert operating.ranges(recording, load("specs/small.spec"))["ego.shown"] == (10.0, 10.0)
     lines[2]["ego"]["shown"] = 36.1
     assert replay(lines)[0] == 1

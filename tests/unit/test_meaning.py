@@ -252,6 +252,18 @@ def test_what_every_cycle_is_held_against_is_noticed_where_no_rule_reads_it() ->
     assert inputs(150, "ego.v").keys() >= {"signal plan"}
 
 
+def test_the_unit_in_which_a_condition_is_told_is_noticed_where_no_rule_reads_it() -> None:
+    """`rain.fallen` from 0 to 50 mm was reached by a recording of 5 that was made when 5 were cm, and went on being so."""
+
+    def inputs(unit: str, recording: str | None) -> dict[str, str]:
+        text = f"module own\nsignal ego : state {{ v: m/s }}\nsignal rain : state {{ fallen: {unit} }}\n"
+        return run_inputs(Evaluator(loads(f"{text}rule slow\n  require ego.v <= 9 m/s\n")), recording)
+
+    assert why_stale(inputs("cm", "a"), inputs("mm", "a")) == "the signal `rain` has changed since"
+    assert inputs("mm", "a") == inputs("mm", "a")
+    assert inputs("cm", None) == inputs("mm", None)
+
+
 def test_what_every_cycle_is_held_against_is_held_by_the_baseline() -> None:
     """Its ranges could be taken away without a word, as no rule read them: the gate stayed open."""
 

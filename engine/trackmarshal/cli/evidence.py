@@ -195,8 +195,8 @@ def file_hash(path: Path) -> str:
 
 
 def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> dict[str, str]:
-    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, what every cycle is held
-    against and no rule reads, which rules the ground truth of generated recordings judges, the Supervisor's limits, the engine.
+    """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, signals that no rule
+    reads, which every cycle is held against, or its conditions are told in, which rules the ground truth of generated recordings judges, the Supervisor's limits, the engine.
 
     Of a run that is kept because it cannot be made again at any time, the rules and the contract alone (`recording` is None).
     """
@@ -214,6 +214,8 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
         limits = sha256(*(repr(value) for value in astuple(Limits.of(spec))))
         judged = sha256(*sorted(rule.name for rule in evaluator.rules if known(rule)))
         others |= {"recording": recording, "limits": limits, "judged": judged, "engine": tool()}
+        # In whose units the ranges of its conditions are.
+        others |= {f"signal {name}": of(info) for name, info in spec.signals.items() if name not in read}
         if named:
             others["named"] = named
     return dict(_meaning(evaluator).run(evaluator.rules, others))

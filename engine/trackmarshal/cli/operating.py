@@ -12,9 +12,6 @@ if TYPE_CHECKING:
     from trackmarshal.ir.spec import SignalType, Spec
     from trackmarshal.scenarios.recording import Recording
 
-#: In SI in every recording; all others are in the units that a spec declares.
-_IN_SI = ("ego", "objects", "obstacles")
-
 
 def ranges(recording: Recording, spec: Spec) -> dict[str, tuple[float, float]]:
     """By `signal.field` of records and of sets, the least and the greatest finite number over all cycles, in SI."""
@@ -24,7 +21,9 @@ def ranges(recording: Recording, spec: Spec) -> dict[str, tuple[float, float]]:
             value = record.get(field.name)
             if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
                 continue
-            number = float(value) if signal.name in _IN_SI else to_si(float(value), field.unit)
+            number = to_si(
+                float(value), field.unit
+            )  # of the format's own fields, which are in SI, no spec says anything else
             low, high = found.get(f"{signal.name}.{field.name}", (number, number))
             found[f"{signal.name}.{field.name}"] = (min(low, number), max(high, number))
     return dict(sorted(found.items()))

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.contract import EGO, PLAN, of_cycles
+from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.written_units import check_units
-from trackmarshal.scenarios.inputs import records_of
+from trackmarshal.scenarios.inputs import SIGNALS, records_of
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
 from trackmarshal.units import moment, parse_unit, show
@@ -135,10 +135,10 @@ def check_fit(recording: Recording, evaluator: Evaluator) -> None:
 
 
 def _check_si(recording: Recording, evaluator: Evaluator) -> None:
-    """Raise D147 for a number of the format's own that rules, or the contract of every cycle, would take in another unit."""
-    read = {signal for rule in evaluator.rules for signal, _ in rule.reads} | {PLAN, EGO}
-    for name in sorted(read & OWN.keys() & evaluator.spec.signals.keys()):
-        for field in evaluator.spec.signals[name].fields_:
+    """Raise D147 for a number of the format's own that would be taken in another unit."""
+    signals = evaluator.spec.signals
+    for name in SIGNALS:
+        for field in signals[name].fields_ if name in signals else ():
             if field.name not in OWN[name] or field.kind != "number":
                 continue
             *scale, dimension = parse_unit(field.unit)
