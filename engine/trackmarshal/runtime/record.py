@@ -2,11 +2,12 @@
 
 An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 
-- `row`: how many rows come before it in the file, whatever they are (records before version 3 do not say it);
+- `row`: how many rows come before it in the file, whatever they are (records of version 2 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI, members of enumerations by the places that the head names; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
+- `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand (records before version 4 do not say it);
 - `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
   in `raw` a part of a snapshot (`snapshots.py`), from which a replay can start;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
@@ -23,6 +24,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +49,9 @@ from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import parse_unit
 
 FORMAT = "trackmarshal-record"
-VERSION = 3
-#: Of version 2, rows do not say their places.
-_KNOWN = (2, VERSION)
+VERSION = 4
+#: Of version 2, rows do not say their places; of version 3, not what cycles did not have.
+_KNOWN = (2, 3, VERSION)
 #: Endings of other formats: what opens a file by its name would find no file of its own under them.
 _OTHERS = (".mcap", ".jsonl", ".json", ".csv", ".saa", ".gz", ".zip", ".parquet", ".feather", ".yaml", ".yml")
 _ROW: Column = ("row", INT)
@@ -98,6 +100,14 @@ class Record:
         ]
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
+        #: By candidate and signal, the fields that need not be there.
+        self._spare: _Spare = [
+            (name, fields)
+            for name, signal in _called(contract)
+            if (
+                fields := tuple((f.name, f"{name}.{f.name}") for f in signal.fields_ if f.default is not None)
+            )
+        ]
         self._kept: dict[tuple[str, str], Any] = {}
         #: How long the file is up to its last whole row, and cycles since then that have none.
         self._end = 0
@@ -117,7 +127,8 @@ class Record:
         }
         head["inputs"] = [list(one) for one in self._inputs]
         self._layout = Layout(_columns(self._inputs), head)
-        places = enumerate(self._inputs, len(_TIMES) + 2)  # behind the row, and what came in
+        # Behind the row, what came in, and what did not.
+        places = enumerate(self._inputs, len(_TIMES) + 3)
         self._stencils = Stencils(
             self._layout,
             {at: (part == "plan", signal, field) for at, (part, signal, field, _) in places if part in ("plan", "column", "number")},
@@ -146,11 +157,12 @@ class Record:
         row: bytes | bytearray = b""
         kept = self._kept
         if frame is not None and self._plain and not decision.faults:
-            row = self._row(times, frame, decision)
+            left_out = _left_out(cycle, self._spare)
+            row = b"" if left_out is None else self._row(times, left_out, frame, decision)
             kept = frame.lines if row else kept
         if not row:
             raw = json.dumps(_plain(cycle))
-            row = self._layout.batch([*times, raw, *_empty(self._inputs), *decided(decision)])
+            row = self._layout.batch([*times, raw, "", *_empty(self._inputs), *decided(decision)])
         try:
             self._add(row)
         except OSError:
@@ -191,7 +203,7 @@ class Record:
     def _no_cycle(self, number: int, missed: int, raw: str) -> bytes:
         """A row without a decision."""
         times = [self._rows, number, math.nan, math.nan, math.nan, missed]
-        return self._layout.batch([*times, raw, *_empty(self._inputs), *_empty_decision()])
+        return self._layout.batch([*times, raw, "", *_empty(self._inputs), *_empty_decision()])
 
     def _add(self, row: bytes | bytearray) -> None:
         self._write(row)
@@ -215,19 +227,21 @@ class Record:
         self._end += len(data)
         self._longer = False
 
-    def _row(self, times: list[Any], frame: Frame, decision: Decision) -> bytes | bytearray:
+    def _row(self, times: list[Any], left_out: str, frame: Frame, decision: Decision) -> bytes | bytearray:
         """The row of a cycle that passed the door; empty for one with an id that is no text, which JSON can spell."""
 
         def whole() -> bytes:
             outcome = decided(decision)
             try:
-                return self._layout.batch([*times, "", *self._passed(frame), *outcome])
+                return self._layout.batch([*times, "", left_out, *self._passed(frame), *outcome])
             except ValueError:
                 return b""
 
         lines, kept = frame.lines, self._kept
         same = lines is kept or all(line is kept.get(place) for place, line in lines.items())
-        return self._stencils.row(times, frame, decision, _violations(decision), whole) if same else whole()
+        if not same:
+            return whole()
+        return self._stencils.row(times, left_out, frame, decision, _violations(decision), whole)
 
     def _passed(self, frame: Frame) -> list[Any]:
         """The columns of what passed the door."""
@@ -256,6 +270,38 @@ class Record:
 
 
 _NOTHING = np.zeros(0)
+
+
+#: By candidate or signal, the fields that need not be there, each with its column.
+_Spare = list[tuple[str, tuple[tuple[str, str], ...]]]
+
+
+def _left_out(cycle: Any, spare: _Spare) -> str | None:
+    """JSON of the columns that a cycle which passed the door does not have, empty for none; None where only some elements of a set lack one."""
+    found: list[str] = []
+    try:
+        for name, fields in spare:
+            given: Any = (
+                cycle.driving
+                if name == DRIVING
+                else cycle.emergency
+                if name == EMERGENCY
+                else cycle.signals[name]
+            )
+            if type(given) is not dict and not is_a(given, Mapping):
+                first, *others = entries(given) or [{field: None for field, _ in fields}]
+                if any((field in one) != (field in first) for one in others for field, _ in fields):
+                    return None
+                given = first
+            found += [column for field, column in fields if field not in given]
+    except Exception:  # what was handed in has a say in how it is read
+        return None
+    return _listed(tuple(found)) if found else ""
+
+
+@lru_cache(maxsize=64)
+def _listed(columns: tuple[str, ...]) -> str:
+    return json.dumps(columns)
 
 
 def _refuse_ending(path: str | Path) -> None:
@@ -381,7 +427,7 @@ def read(data: bytes, shown: str) -> Run:
     version = head.get("version")
     if head.get("format") != FORMAT or type(version) is not int or version not in _KNOWN:
         message = f"{head.get('format')!r:.40}, version {version!r:.40}"
-        known = " and ".join(map(str, _KNOWN))
+        known = ", ".join(map(str, _KNOWN))
         raise TrackmarshalError("D162", message, file=shown, help=f"known is {FORMAT}, version {known}")
     try:
         given: dict[str, Any] = {n: float(v) if isinstance(v, str) else v for n, v in head["limits"].items()}
@@ -392,8 +438,7 @@ def read(data: bytes, shown: str) -> Run:
         ]
         members = unlisted(identity.get("members"))
         units = written_units.unlisted(identity.get("units"))
-        places = version >= VERSION
-        if layout.columns != tuple(_columns(inputs, places)):
+        if layout.columns != tuple(_columns(inputs, version)):
             raise ValueError("its columns are not those of its inputs")
     except (KeyError, TypeError, ValueError, TrackmarshalError) as error:
         raise TrackmarshalError(
@@ -406,8 +451,11 @@ def read(data: bytes, shown: str) -> Run:
     snapshots = Parts()
     counted: int | None = None
     gone = ""
+    places = version > 2
     for place, row in enumerate(layout.rows(data)):
         values = row.values[1:] if places else row.values
+        if version < 4:
+            values.insert(len(_TIMES) + 1, "")
         if places and row.values[0] != place and not gone:
             gone = f"where row {place} should be, behind {len(cycles)} cycles, is row {row.values[0]}: rows are gone, or not its own"
         try:
@@ -456,15 +504,19 @@ def _identity(given: Any) -> dict[str, Any]:
 
 
 def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any]) -> Recorded:
-    times, raw = values[: len(_TIMES)], values[len(_TIMES)]
-    columns = values[len(_TIMES) + 1 : len(_TIMES) + 1 + len(inputs)]
+    times, (raw, left_out) = values[: len(_TIMES)], values[len(_TIMES) : len(_TIMES) + 2]
+    columns = values[len(_TIMES) + 2 : len(_TIMES) + 2 + len(inputs)]
+    lacking = frozenset(json.loads(left_out)) if left_out else frozenset()
     if raw:
         cycle = _unplain(json.loads(raw))
     else:
         plans: dict[str, dict[str, Any]] = {DRIVING: {}, EMERGENCY: {}}
         signals: dict[str, Any] = {}
         for (part, signal, field, _), value in zip(inputs, columns):
-            if part == "plan":
+            if f"{signal}.{field}" in lacking:
+                if part != "plan":
+                    signals.setdefault(signal, {})
+            elif part == "plan":
                 plans[signal][field] = value
             elif part == "event":
                 signals[signal] = bool(value)
@@ -508,6 +560,13 @@ def _inputs(contract: Contract) -> list[_Input]:
     return found + [("event", signal.name, "", INT) for signal in contract.signals if signal.form == EVENT]
 
 
+def _called(contract: Contract) -> list[tuple[str, Signal]]:
+    """All that a cycle has, by what it is called there: both candidates, and the signals."""
+    assert contract.plan is not None
+    plans = [(name, contract.plan) for name in (DRIVING, EMERGENCY)]
+    return plans + [(signal.name, signal) for signal in contract.signals]
+
+
 def _numbers(signal: Signal) -> list[str]:
     return [field.name for field in signal.numbers]
 
@@ -524,12 +583,13 @@ def _all_si(contract: Contract) -> bool:
     )
 
 
-def _columns(inputs: list[_Input], places: bool = True) -> list[Column]:
-    """All columns of a record; places: whether its rows say theirs."""
+def _columns(inputs: list[_Input], version: int = VERSION) -> list[Column]:
+    """All columns of a record of a version."""
     return [
-        *([_ROW] if places else []),
+        *([_ROW] if version > 2 else []),
         *_TIMES,
         ("raw", TEXT),
+        *([("left_out", TEXT)] if version > 3 else []),
         *((_name(one), one[3]) for one in inputs),
         *_DECISION,
     ]

@@ -1,0 +1,114 @@
+"""What a cycle does not have, and the spec's default stands for, is not in its record either: nobody measured it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import trackmarshal as tm
+from trackmarshal.runtime.record import Run, layout_of, read
+from trackmarshal.scenarios.inputs import defaulted
+from trackmarshal.supervision import box_of, rerun
+
+SPEC = """module defaults
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s, grip: 1 default 1 }
+signal ego : state { x: m, y: m, heading: rad, age: s default 0 s }
+signal objects : set of object { x: m, age: s default 0 s }
+signal wind : state { v: m/s default 3 m/s }
+
+rule grips "Grips"
+  for all p in plan
+  require p.grip >= 0.9
+
+rule fresh "Fresh"
+  require ego.age <= 0.5 s and wind.v <= 9 m/s
+
+rule seen "Seen"
+  for all o in objects
+  require o.age <= 0.5 s
+"""
+READERS = {"plan.grip": ("grips",), "ego.age": ("fresh",), "objects.age": ("seen",)}
+
+
+def given(number: int, **changes: Any) -> tm.Cycle:
+    """A cycle with all of it, but for what is None."""
+    plan = {
+        "t": np.array([0.0, 1.0]),
+        "grip": np.ones(2),
+        **{name: np.zeros(2) for name in ("x", "y", "heading", "v")},
+    }
+    parts: dict[str, Any] = {
+        "plan": plan,
+        "ego": {"x": 0.0, "y": 0.0, "heading": 0.0, "age": 0.0},
+        "objects": {"id": ["a", "b"], "x": np.array([50.0, 60.0]), "age": np.zeros(2)},
+        "wind": {"v": 3.0},
+    }
+    for name, field in changes.items():
+        del parts[name][field]
+    signals = {name: part for name, part in parts.items() if name != "plan"}
+    return tm.Cycle(number, 0.1 * number, parts["plan"], dict(parts["plan"]), signals)
+
+
+def driven(path: Path, cycles: list[tm.Cycle]) -> Run:
+    now = [0.0]
+    live = tm.supervisor(tm.loads(SPEC), clock=lambda: now[0], record=path)
+    for now[0], one in zip((0.1 * place for place in range(len(cycles))), cycles):
+        assert live.step(one).safe
+    live.close()
+    return read(path.read_bytes(), str(path))
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_default_is_told_of_a_record_as_of_a_recording(name: str, tmp_path: Path) -> None:
+    """It stood in the columns of the record as if it had been sent, and no assumption that rests on it was told (T249)."""
+    signal, field = name.split(".")
+    cycles = [given(number, **({signal: field} if number % 2 else {})) for number in range(6)]
+    run, spec = driven(tmp_path / "run.arrows", cycles), tm.loads(SPEC)
+    assert [found for _, found in rerun(run, box_of(run, spec))] == [[]] * 6
+    recording = tm.load_recording(tmp_path / "run.arrows")
+    assert defaulted(recording, spec, spec.rules) == {name: READERS[name]}
+
+
+def test_a_record_of_all_has_no_default(tmp_path: Path) -> None:
+    run, spec = driven(tmp_path / "run.arrows", [given(number) for number in range(4)]), tm.loads(SPEC)
+    assert [found for _, found in rerun(run, box_of(run, spec))] == [[]] * 4
+    assert defaulted(tm.load_recording(tmp_path / "run.arrows"), spec, spec.rules) == {}
+
+
+def test_another_default_is_judged_of_a_record_too(tmp_path: Path) -> None:
+    """What was left out is what the spec at hand says, in a signal that has nothing else, too."""
+    run = driven(tmp_path / "run.arrows", [given(number, wind="v", plan="grip") for number in range(4)])
+    for was, now in (
+        ("v: m/s default 3 m/s", "v: m/s default 10 m/s"),
+        ("grip: 1 default 1", "grip: 1 default 0.5"),
+    ):
+        again = [decision.safe for decision, _ in rerun(run, box_of(run, tm.loads(SPEC.replace(was, now))))]
+        assert again == [False] * 4
+
+
+def test_elements_of_which_only_some_have_a_field(tmp_path: Path) -> None:
+    cycles = [given(number) for number in range(3)]
+    for one in cycles:
+        one.signals["objects"] = [{"id": "a", "x": 50.0, "age": 0.1}, {"id": "b", "x": 60.0}]
+    cycles[2].signals["objects"] = [{"id": "a", "x": 50.0}, {"id": "b", "x": 60.0}]
+    run, spec = driven(tmp_path / "run.arrows", cycles), tm.loads(SPEC)
+    assert [found for _, found in rerun(run, box_of(run, spec))] == [[]] * 3
+    assert defaulted(tm.load_recording(tmp_path / "run.arrows"), spec, spec.rules) == {
+        "objects.age": ("seen",)
+    }
+
+
+def test_readers_of_the_table_find_the_default_in_its_column(tmp_path: Path) -> None:
+    """Whoever reads columns without this program has what was judged, and beside it that nobody sent it."""
+    path = tmp_path / "run.arrows"
+    driven(path, [given(number, ego="age") for number in range(4)])
+    data = path.read_bytes()
+    found = layout_of(data)
+    assert found is not None
+    layout = found[0]
+    names = [name for name, _ in layout.columns]
+    rows = [dict(zip(names, row.values, strict=True)) for row in layout.rows(data)]
+    assert [(row["left_out"], row["ego.age"]) for row in rows if row["state"]] == [('["ego.age"]', 0.0)] * 4
