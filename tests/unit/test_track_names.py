@@ -9,14 +9,16 @@ from typing import Any
 import pytest
 
 import trackmarshal as tm
-from support.cycles import cycle
+from support.cycles import PERIOD, cycle
 from support.shared import shared
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.ir.spec import Spec, track_of
 from trackmarshal.runtime.faults import name_of
+from trackmarshal.runtime.record import read
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.recording_io import write
+from trackmarshal.supervision import box_of, rerun
 
 NORTHFIELD = ROOT / "specs" / "tracks" / "northfield.spec"
 FREE_LAP = ROOT / "specs" / "scenarios" / "free_lap.tmrec.jsonl"
@@ -129,3 +131,35 @@ def test_the_recordings_of_the_papers_authors_are_on_modena() -> None:
     recording = tm.load_recording(shared("data", "scenarios", "modena_T1_valid.saa"))
     recording = replace(recording, cycles=recording.cycles[:2], track={**recording.track, "name": "modena"})
     assert len(tm.replay(recording, tm.Evaluator(shipped())).cycles) == 2
+
+
+@pytest.mark.parametrize("rules", [["zone_speed_limit", "static_collision"], ["zone_speed_limit"]])
+def test_the_record_of_a_run_names_its_track(rules: list[str], tmp_path: Path, northfield: Spec) -> None:
+    """It lost the name, so that a run on one track was judged by the places of another."""
+    path, now = tmp_path / "run.arrows", [0.0]
+    live = tm.supervisor(shipped(), rules, "numpy", {"budget": 1e9}, lambda: now[0], path)
+    for number in range(4):  # of some that are alike, rows are made by what differs
+        now[0] = number * PERIOD
+        given = cycle(number)
+        track = {**given.signals["track"], "name": None if number == 0 else "modena"}
+        assert live.step(replace(given, signals={**given.signals, "track": track})).faults == ()
+    live.close()
+    run = read(path.read_bytes(), str(path))
+    tracks = [one.cycle.signals.get("track", {}) for one in run.cycles]
+    assert [track.get("name") for track in tracks] == [None, "modena", "modena", "modena"]
+    again = [(decision.faults, found) for decision, found in rerun(run, box_of(run, shipped()))]
+    assert again == [((), [])] * 4
+    elsewhere = [decision.faults for decision, _ in rerun(run, box_of(run, northfield))]
+    assert [[name_of(fault) for fault in faults] for faults in elsewhere] == [[], *[["wrong_track"]] * 3]
+
+
+def test_what_counts_as_a_recording_names_the_track_of_its_run(tmp_path: Path, northfield: Spec) -> None:
+    path = tmp_path / "run.arrows"
+    live = tm.supervisor(shipped(), ["zone_speed_limit"], "numpy", {"budget": 1e9}, lambda: 0.0, path)
+    live.step(named("modena"))
+    live.close()
+    recording = tm.load_recording(path)
+    assert recording.track == {"left": [], "right": [], "closed": False, "name": "modena"}
+    assert len(tm.replay(recording, tm.Evaluator(shipped(), ["zone_speed_limit"])).cycles) == 1
+    with pytest.raises(tm.TrackmarshalError, match="D146"):
+        tm.replay(recording, tm.Evaluator(northfield, ["zone_speed_limit"]))

@@ -5,7 +5,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `row`: how many rows come before it in the file, whatever they are (records of version 2 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI, members of enumerations by the places that the head names; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
-  the row before that has any;
+  the row before that has any; `SIGNAL.name`: what the track is called;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
 - `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand (records before version 4 do not say it);
 - `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
@@ -100,6 +100,8 @@ class Record:
         ]
         #: Numbers come in as they are kept: then what passed the door is what came in.
         self._plain = _all_si(contract)
+        #: The signals that may name the track.
+        self._corridors = [signal for part, signal, *_ in self._inputs if part == "name"]
         #: By candidate and signal, the fields that need not be there.
         self._spare: _Spare = [
             (name, fields)
@@ -157,8 +159,9 @@ class Record:
         row: bytes | bytearray = b""
         kept = self._kept
         if frame is not None and self._plain and not decision.faults:
-            left_out = _left_out(cycle, self._spare)
-            row = b"" if left_out is None else self._row(times, left_out, frame, decision)
+            left_out, names = _left_out(cycle, self._spare), _track_names(cycle, self._corridors)
+            if left_out is not None and names is not None:
+                row = self._row(times, left_out, names, frame, decision)
             kept = frame.lines if row else kept
         if not row:
             raw = json.dumps(_plain(cycle))
@@ -227,13 +230,15 @@ class Record:
         self._end += len(data)
         self._longer = False
 
-    def _row(self, times: list[Any], left_out: str, frame: Frame, decision: Decision) -> bytes | bytearray:
+    def _row(
+        self, times: list[Any], left_out: str, names: list[str], frame: Frame, decision: Decision
+    ) -> bytes | bytearray:
         """The row of a cycle that passed the door; empty for one with an id that is no text, which JSON can spell."""
 
         def whole() -> bytes:
             outcome = decided(decision)
             try:
-                return self._layout.batch([*times, "", left_out, *self._passed(frame), *outcome])
+                return self._layout.batch([*times, "", left_out, *self._passed(frame, names), *outcome])
             except ValueError:
                 return b""
 
@@ -241,11 +246,12 @@ class Record:
         same = lines is kept or all(line is kept.get(place) for place, line in lines.items())
         if not same:
             return whole()
-        return self._stencils.row(times, left_out, frame, decision, _violations(decision), whole)
+        return self._stencils.row(times, (left_out, *names), frame, decision, _violations(decision), whole)
 
-    def _passed(self, frame: Frame) -> list[Any]:
-        """The columns of what passed the door."""
+    def _passed(self, frame: Frame, names: Sequence[str]) -> list[Any]:
+        """The columns of what passed the door; names: those of its tracks."""
         passed: list[Any] = []
+        named = iter(names)
         candidates, columns = _packed(frame)
         for part, signal, field, fields in self._parts:
             if part in ("plan", "column"):
@@ -262,6 +268,8 @@ class Record:
                 passed.append(b"" if same else line.points[:, 0 if part == "x" else 1])
             elif part == "closed":
                 passed.append(int(frame.closed.get(signal, False)))
+            elif part == "name":
+                passed.append(next(named))
             elif part == "event":
                 passed.append(frame.events[signal])
             else:
@@ -270,6 +278,19 @@ class Record:
 
 
 _NOTHING = np.zeros(0)
+
+
+def _track_names(cycle: Any, corridors: Sequence[str]) -> list[str] | None:
+    """What a cycle which passed the door calls its tracks, empty for nothing; None where that is no text."""
+    found: list[str] = []
+    try:
+        for signal in corridors:
+            given = cycle.signals.get(signal)
+            name = given.get("name") if is_a(given, Mapping) else None
+            found.append(str.__str__("" if name is None else name))
+    except Exception:  # what was handed in has a say in how it is read
+        return None
+    return found
 
 
 #: By candidate or signal, the fields that need not be there, each with its column.
@@ -531,6 +552,9 @@ def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str
                         signals[signal] = points
             elif part == "closed":
                 signals.setdefault(signal, {})["closed"] = bool(value)
+            elif part == "name":
+                if value:
+                    signals.setdefault(signal, {})["name"] = value
             else:
                 signals.setdefault(signal, {})["id" if part == "ids" else field] = value
         cycle = Cycle(times[0], times[1], plans[DRIVING], plans[EMERGENCY], signals)
@@ -539,7 +563,7 @@ def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str
 
 # Columns ----------------------------------------------------------------------------------------------------------
 
-#: What an input column is: plan, column, number, ids, x, y, closed or event; its signal (or candidate), field, and kind.
+#: What an input column is: plan, column, number, ids, x, y, closed, name or event; its signal (or candidate), field, and kind.
 _Input = tuple[str, str, str, str]
 
 
@@ -557,6 +581,9 @@ def _inputs(contract: Contract) -> list[_Input]:
         elif signal.form != EVENT:
             found += [("ids", signal.name, "id", TEXTS)] if signal.form == SET else []
             found += [("column", signal.name, name, FLOATS) for name in _numbers(signal)]
+    found += [
+        ("name", signal, "name", TEXT) for signal in contract.corridors
+    ]  # also where no rule reads its borders
     return found + [("event", signal.name, "", INT) for signal in contract.signals if signal.form == EVENT]
 
 
@@ -601,7 +628,7 @@ def _name(one: _Input) -> str:
 
 
 def _empty(inputs: list[_Input]) -> list[Any]:
-    empty: dict[str, Any] = {FLOATS: _NOTHING, TEXTS: (), FLOAT: math.nan, INT: -1}
+    empty: dict[str, Any] = {FLOATS: _NOTHING, TEXT: "", TEXTS: (), FLOAT: math.nan, INT: -1}
     return [empty[kind] for *_, kind in inputs]
 
 

@@ -57,16 +57,16 @@ class Stencils:
         self._rows: dict[tuple[Any, ...], _Stencil | None] = {}
 
     def row(
-        self, times: Sequence[Any], left_out: str, frame: Frame, decision: Decision, violations: str, whole: Callable[[], bytes]
+        self, times: Sequence[Any], texts: Sequence[str], frame: Frame, decision: Decision, violations: str, whole: Callable[[], bytes]
     ) -> bytes | bytearray:  # fmt: skip
-        """The row of a cycle without a fault, with the lines of the row before; its memory is used again for the next one. left_out, violations: as they
-        stand in it. whole: writes it where nothing like it is known; empty where it cannot."""
+        """The row of a cycle without a fault, with the lines of the row before; its memory is used again for the next one. texts: what else the row has of the
+        cycle. violations: as they stand in it. whole: writes it where nothing like it is known; empty where it cannot."""
         arena, judged, driven = frame.arena, decision.judged, decision.driven
         if arena is None or judged is None or not _LITTLE:
             return whole()
         outcome = violations.encode(), *_outcome(judged)
         others = (
-            left_out, arena.data[8 : arena.begin], tuple(arena.shape.ids), *[frame.closed.get(name, False) for name in self._closed],
+            *texts, arena.data[8 : arena.begin], tuple(arena.shape.ids), *[frame.closed.get(name, False) for name in self._closed],
             *[frame.events[name] for name in self._events], *map(len, outcome), decision.state, decision.safe, decision.lost,
             None if driven is None else driven.candidate,
         )  # fmt: skip

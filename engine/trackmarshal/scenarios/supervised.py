@@ -241,7 +241,7 @@ def shown(frame: Frame) -> Frame:
     return frame
 
 
-#: The track of a run whose rules are about none.
+#: The track of a run whose rules ask for no borders.
 _NO_TRACK: Mapping[str, Any] = {"left": [], "right": [], "closed": False}
 
 
@@ -263,12 +263,13 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             since += 1
             continue
         signals = _plain(cycle.signals)
-        given, standing = signals.get("track") or _NO_TRACK, _elements(signals.get("obstacles"))
+        given = {**_NO_TRACK, **signals.get("track", {})}
+        standing = _elements(signals.get("obstacles"))
         if kept and given != track:
             notes.append(f"the track changes at {moment(cycle.t)} s; what follows is left out")
             break
         if not kept:
-            track, obstacles = dict(given), standing
+            track, obstacles = given, standing
         # Numbers tell of those that were lost on the way, and rows of steps that got none.
         missing = 0 if last is None else min(max(since, cycle.number - last - 1), MOST_LOST)
         last, since = cycle.number, 0
