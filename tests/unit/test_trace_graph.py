@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from support.length import amount
 from support.project import command
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import PART_KINDS, Ref, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records import PART_KINDS, FaultCase, Ref, SpecItem, SpecPart, SpecTest, TestResult
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.checks import SUGGESTED
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node
@@ -542,3 +543,50 @@ def test_the_spec_is_not_needed_for_a_graph() -> None:
     project, _ = trace.load(Small().root)
     graph = build(project, Spec([], [], [], []), {})
     assert {link.state for link in graph.of_kind("metrics")} == {"orphaned"}
+
+
+#: What a second person may read beside requirements, hazards, goals and analyses: a way to say something else under the same title.
+READ = {
+    "scenarios/cut_in.jsonl": ("scenarios/cut_in.jsonl", "\n", "\n\n"),
+    "scenarios/skid.jsonl": (
+        "requirements/v-model.yaml",
+        "expect: fire, by: [friction]",
+        "expect: fire, by: [gap]",
+    ),
+    "W-1": ("requirements/v-model.yaml", "expires: 2026-12-31", "expires: 2027-12-31"),
+    "ODD-1": ("requirements/domain.yaml", "to: 60 km/h", "to: 120 km/h"),
+    "test: gap: exactly on the boundary": ("", "a" * 64, "b" * 64),
+    "fault: faults.yaml F-1": ("", "a" * 64, "b" * 64),
+}
+
+
+@pytest.mark.parametrize("id_", READ)
+def test_a_review_falls_with_what_was_read_whatever_that_is(id_: str, tmp_path: Path) -> None:
+    """Of tests, scenarios, faults, domains and waivers, the fingerprint was that of the title: what they say could be another, and the review stood."""
+    small = Small.copy(tmp_path)
+    domain = "{id: ODD-1, title: the road, description: Dry., ranges: [{quantity: ego.v, from: 0 km/h, to: 60 km/h}]}"
+    (small.root / "requirements/domain.yaml").write_text(
+        f"document: hazards\ntitle: Conditions\ndomains: [{domain}]\n", "utf-8"
+    )
+    items, tests, *_ = small.parts()
+
+    def fallen(read: str, says: str) -> list[str]:
+        review = f"{{id: RV-1, of: [{{id: '{id_}', fingerprint: '{read}'}}], by: [P-1], made: 2026-03-01, outcome: accepted}}"
+        (small.root / "requirements/people.yaml").write_text(
+            f"document: assurance\ntitle: Who did what\npersons: [{{id: P-1, title: Ann Author}}]\nreviews:\n  - {review}\n",
+            "utf-8",
+        )
+        told = [replace(test, fingerprint=says) for test in tests]
+        fault = FaultCase("faults.yaml", "F-1", "a jump", "RR-1", 1, "", says=says)
+        found = trace.build(small.root, items, told, [], [], TODAY, fault_cases=[fault]).findings
+        assert not [f.message for f in found if "RV-1" in f.message and f.code != "T167"]
+        return [f.help for f in found if f.code == "T167"]
+
+    (said,) = fallen("0" * 64, "a" * 64)
+    read = re.findall(r"'(\w+)'", said)[0]
+    assert fallen(read, "a" * 64) == []
+    file, was, now = READ[id_]
+    if file:
+        path = small.root / file
+        path.write_text(path.read_text("utf-8").replace(was, now), "utf-8")
+    assert len(fallen(read, "a" * 64 if file else now)) == 1

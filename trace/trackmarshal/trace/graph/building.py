@@ -55,6 +55,19 @@ _READ = {
 }
 
 
+#: Of these, all that is declared is read.
+_DECLARED = (
+    "operational design domain",
+    "design element",
+    "method",
+    "tool",
+    "malfunction",
+    "indicator",
+    "work",
+    "waiver",
+)
+
+
 def build(project: Project, spec: Spec, hashes: Hashes, around: Outside | None = None) -> Graph:
     """The graph; a link whose target does not exist is in it, and says so."""
     return _Building(project, spec, hashes, around or Outside()).graph()
@@ -77,6 +90,15 @@ def fingerprint(node: Node) -> str:
     ]
     text = "\n".join((text, *more))
     return said.get("fingerprint") or hashlib.sha256(" ".join(text.split()).encode()).hexdigest()
+
+
+def version(node: Node) -> str:
+    """The fingerprint that a review names of what it read: that of the node, and, where this is of its text alone, of what else it says."""
+    more = [node.says] if node.says else []
+    if node.kind in _DECLARED:
+        more += [f"{name}: {text}" for name, text in sorted(node.attributes.items()) if name != "owner"]
+    own = fingerprint(node)
+    return hashlib.sha256("\n".join([own, *more]).encode()).hexdigest() if more else own
 
 
 def _record(said: TestResult | RunSummary | FaultResult | ExternalTest, *apart: str) -> str:
@@ -125,12 +147,18 @@ class _Building:
         return Graph(self.nodes, self.found, places)
 
     def _node(
-        self, kind: str, id_: str, title: str, place: Place | None, attributes: Mapping[str, str]
+        self,
+        kind: str,
+        id_: str,
+        title: str,
+        place: Place | None,
+        attributes: Mapping[str, str],
+        says: str = "",
     ) -> None:
         """One more node; of two with one key the first counts, as everywhere."""
         key = (kind, str(id_))
         if key not in self.nodes:
-            self.nodes[key] = Node(kind, key[1], title, place, attributes)
+            self.nodes[key] = Node(kind, key[1], title, place, attributes, says)
 
     def _link(self, kind: str, source: Key, target: Key, place: Place, state: str = "") -> None:
         """One more link; without `state` it covers where its target is, and is demanded."""
@@ -203,7 +231,8 @@ class _Building:
                 "boundary": "yes" if test.boundary else "no",
                 "outcome": outcome,
             }
-            self._node("test", f"{test.rule}: {test.title}", test.title, item_place(test), attributes)
+            named = f"{test.rule}: {test.title}"
+            self._node("test", named, test.title, item_place(test), attributes, test.fingerprint)
         for result in self.spec.results.values():
             place = Place(result.file, result.line)
             self._node(
@@ -236,7 +265,15 @@ class _Building:
                 "expect": str(scenario.expect),
                 "origin": str(scenario.origin),
             }
-            self._node("scenario", scenario.path, scenario.title, scenario.path.place, attributes)
+            told = [
+                str(scenario.expect),
+                str(scenario.origin),
+                *sorted(map(str, scenario.by)),
+                "",
+                *map(str, scenario.specs),
+            ]
+            says = " ".join([*told, self.hashes.get(str(scenario.path)) or ""])
+            self._node("scenario", scenario.path, scenario.title, scenario.path.place, attributes, says)
         scenarios = {str(scenario.path): scenario for scenario in reversed(self.project.scenarios)}
         for run in self.spec.runs.values():
             stale = runs.staleness(scenarios.get(run.scenario), run, self.spec, self.hashes)
@@ -264,7 +301,12 @@ class _Building:
                 attributes["sha256"] = _record(put_in)
                 attributes |= dict(_found(case, put_in))
             self._node(
-                "fault", f"{case.campaign} {case.id}", case.title, Place(case.campaign, case.line), attributes
+                "fault",
+                f"{case.campaign} {case.id}",
+                case.title,
+                Place(case.campaign, case.line),
+                attributes,
+                case.says,
             )
 
     def _outside(self) -> None:
@@ -478,8 +520,8 @@ class _Building:
                     (fitting[0] if fitting else targets[0], str(target)),
                     "ambiguous" if len(fitting) > 1 else "",
                 )
-            version, node = (versions or {}).get(target, ""), self.nodes.get(end)
-            if not state and version and node is not None and version != fingerprint(node):
+            read, node = (versions or {}).get(target, ""), self.nodes.get(end)
+            if not state and read and node is not None and read != version(node):
                 state = "outdated"
             self._link(kind, key, end, target.place, state)
 
@@ -521,4 +563,4 @@ def _uses(item: SpecItem) -> Iterator[tuple[str, str]]:
             yield _USED[kind], name
 
 
-__all__ = ["build", "fingerprint"]
+__all__ = ["build", "fingerprint", "version"]

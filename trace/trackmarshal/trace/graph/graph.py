@@ -15,13 +15,15 @@ Key = tuple[str, str]
 
 
 class Node(NamedTuple):
-    """A thing that traces to others. `attributes` are texts, such as `status`, `asil`, `stage`, `outcome`."""
+    """A thing that traces to others. `attributes` are texts, such as `status`, `asil`, `stage`, `outcome`. says: what no attribute has of it, and a
+    review reads."""
 
     kind: str
     id: str
     title: str
     place: Place | None
     attributes: Mapping[str, str]
+    says: str = ""
 
     @property
     def key(self) -> Key:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from datetime import date
 
 from trackmarshal.trace.findings import Finding, error, warning
-from trackmarshal.trace.graph.building import fingerprint
+from trackmarshal.trace.graph.building import version
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.kinds import LINKS
 from trackmarshal.trace.graph.said import called
@@ -60,7 +60,7 @@ def _review(graph: Graph, entry: Entry) -> Iterator[Finding]:
                 "T167",
                 message,
                 link.place,
-                f"review it again, then set `fingerprint: '{fingerprint(node)}'`",
+                f"review it again, then set `fingerprint: '{version(node)}'`",
                 entry.id,
             )
     if not _accepted(entry):
