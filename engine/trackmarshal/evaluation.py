@@ -46,7 +46,7 @@ CODES = {
     "E402": (
         "a configuration that does not fit",
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
+        "must exist there, in one module of those that rules read, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
         "else demands something would not be in force there, and are refused.",
     ),
     "E404": (
@@ -717,6 +717,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     )  # fmt: skip
     for kind, target, source in kinds:
         for info in source.values():
+            _refuse_several(spec, kind, target, info)
             _replace(kind, target, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
@@ -745,6 +746,35 @@ def _ways(info: TableInfo) -> list[Any]:
         [(info.way, None)] if second is None else [(info.way, None), (second.way, parse_unit(second.unit)[2])]
     )
     return [(way.steps, way.clamped, way.length > 0.0, dimension) for way, dimension in axes]
+
+
+def _refuse_several(
+    spec: Spec, kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
+) -> None:  # fmt: skip
+    """Raise E402 for a name of several declarations that rules read: which of them is meant, nobody can tell, as of data (D203)."""
+    short = short_name(info)
+    meant = [name for name, old in target.items() if short_name(old) == short and name != info.name]
+    if len(meant) < 2:  # mostly
+        return
+    from trackmarshal.ir import nodes as ir
+
+    read = {
+        node.table if isinstance(node, ir.Lookup | ir.GridLookup) else node.name
+        for rule in spec.rules
+        for formula in (rule.formula, rule.active)
+        if formula is not None
+        for node in ir.below(formula)
+        if isinstance(node, ir.Param | ir.Lookup | ir.GridLookup | ir.Area | ir.Line)
+    }
+    several = sorted(read.intersection(meant))
+    if len(several) > 1:
+        raise TrackmarshalError(
+            "E402",
+            f"{kind} `{short}` is declared in several modules: {' and '.join(f'`{name}`' for name in several)}",
+            file=f"{info.span.file.path}",
+            line=info.span.line,
+            help="rename all but the one that the configuration is to replace",
+        )
 
 
 def _replace(kind: str, target: dict[str, Any], info: ParamInfo | TableInfo | PlaceInfo) -> None:

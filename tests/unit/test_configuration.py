@@ -154,6 +154,32 @@ def test_a_module_of_the_spec_may_be_the_configuration(tmp_path: Path) -> None:
     assert load(tmp_path, [tmp_path / "b.spec"]).params["a.w"].value == 2.0
 
 
+@pytest.mark.parametrize("kind", ["parameter", "table", "place"])
+def test_a_name_of_several_modules_that_rules_read_is_refused(kind: str, tmp_path: Path) -> None:
+    """What a car is capable of replaced the limit of the pit lane, too: 15 m/s became 50 m/s, without a word."""
+    declared, read = {
+        "parameter": ("param top : m/s = {} m/s", "ego.v <= top"),
+        "table": ("table top(x: m) -> m/s = linear clamp | 0 m: {} m/s |", "ego.v <= top(ego.x)"),
+        "place": ("zone top = polygon (0 m, 0 m) ({} m, 0 m) (0 m, 9 m)", "footprint(ego, 4 m, 2 m) inside top"),
+    }[kind]
+    ego = "state { x: m, y: m, heading: rad, v: m/s }"
+    text = "module {0}\n{1}\nsignal {0}_car : {2}\nrule {0}_slow require {3}\n"
+    specs = tmp_path / "specs"
+    specs.mkdir()
+    for name, value in (("road", 60), ("pit", 15)):
+        said = text.format(name, declared.format(value), ego, read.replace("ego", f"{name}_car"))
+        (specs / f"{name}.spec").write_text(said, "utf-8")
+    (specs / "other.spec").write_text(
+        f"module other\n{declared.format(40)}\n", "utf-8"
+    )  # which no rule reads
+    car = tmp_path / "car.spec"
+    car.write_text(f"module car\n{declared.format(50)}\n", "utf-8")
+    with pytest.raises(TrackmarshalError, match=f"E402.*{kind} `top` .*`pit.top` and `road.top`"):
+        load(specs, [car])
+    (specs / "pit.spec").unlink()
+    assert len(load(specs, [car]).rules) == 1
+
+
 TRAJECTORY = "trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }"
 CONSTRAINED = SPEC.replace("series { t: s increasing, v: m/s }", TRAJECTORY)
 CONSTRAINED += 'param slowest : m/s = 3 m/s\nconstrain slowest <= v_max because "it is the slowest"\n'
