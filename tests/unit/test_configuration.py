@@ -160,7 +160,10 @@ def test_a_name_of_several_modules_that_rules_read_is_refused(kind: str, tmp_pat
     declared, read = {
         "parameter": ("param top : m/s = {} m/s", "ego.v <= top"),
         "table": ("table top(x: m) -> m/s = linear clamp | 0 m: {} m/s |", "ego.v <= top(ego.x)"),
-        "place": ("zone top = polygon (0 m, 0 m) ({} m, 0 m) (0 m, 9 m)", "footprint(ego, 4 m, 2 m) inside top"),
+        "place": (
+            "zone top = polygon (0 m, 0 m) ({} m, 0 m) (0 m, 9 m)",
+            "footprint(ego, 4 m, 2 m) inside top",
+        ),
     }[kind]
     ego = "state { x: m, y: m, heading: rad, v: m/s }"
     text = "module {0}\n{1}\nsignal {0}_car : {2}\nrule {0}_slow require {3}\n"
