@@ -264,6 +264,20 @@ def test_the_unit_in_which_a_condition_is_told_is_noticed_where_no_rule_reads_it
     assert inputs("cm", None) == inputs("mm", None)
 
 
+def test_a_kept_run_rests_on_what_its_vehicle_brakes_with() -> None:
+    """The emergency trajectories of a log are made with it, and no rule need read it; other values of the vehicle make nothing."""
+
+    def inputs(drag: str, doors: int, recording: str | None) -> dict[str, str]:
+        text = f"module own\nparam mu : 1 = 0.9\nparam drag : kg/m = {drag}\nparam doors : 1 = {doors}\nsignal ego : state {{ v: m/s }}\n"
+        return run_inputs(Evaluator(loads(f"{text}rule slow\n  require ego.v <= mu * 9 m/s\n")), recording)
+
+    kept = inputs("0.5 kg/m", 4, None)
+    assert kept.keys() == {"rule slow", "param own.drag"}  # what a rule reads is in what the rule rests on
+    assert why_stale(kept, inputs("0.9 kg/m", 4, None)) == "the parameter `own.drag` has changed since"
+    assert kept == inputs("0.5 kg/m", 2, None)
+    assert inputs("0.5 kg/m", 4, "a") == inputs("0.9 kg/m", 4, "a")  # of recordings, trajectories are there
+
+
 def test_what_every_cycle_is_held_against_is_held_by_the_baseline() -> None:
     """Its ranges could be taken away without a word, as no rule read them: the gate stayed open."""
 

@@ -198,13 +198,16 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
     """What a replay rests on: the sha256 of the recording, and of the files that it names, each rule with all that it reads, signals that no rule
     reads, which every cycle is held against, or its conditions are told in, which rules the ground truth of generated recordings judges, the Supervisor's limits, the engine.
 
-    Of a run that is kept because it cannot be made again at any time, the rules and the contract alone (`recording` is None).
+    Of a run that is kept because it cannot be made again at any time, the rules, the contract, and what the vehicle brakes with, by which emergency
+    trajectories were made, alone (`recording` is None).
     """
     from dataclasses import astuple
 
+    from trackmarshal.ir.spec import short_name
     from trackmarshal.meaning import of, sha256, tool
     from trackmarshal.runtime.contract import EGO, PLAN
     from trackmarshal.runtime.cycle import Limits
+    from trackmarshal.scenarios.field.mapping import BRAKING
     from trackmarshal.scenarios.labels import known
 
     spec, read = evaluator.spec, {signal for rule in evaluator.rules for signal, _ in rule.reads}
@@ -218,6 +221,10 @@ def run_inputs(evaluator: Evaluator, recording: str | None, named: str = "") -> 
         others |= {f"signal {name}": of(info) for name, info in spec.signals.items() if name not in read}
         if named:
             others["named"] = named
+    else:
+        told = {name for rule in evaluator.rules for name in _meaning(evaluator).rule(rule)}
+        braking = {f"param {name}": info for name, info in spec.params.items() if short_name(info) in BRAKING}
+        others |= {name: of(info) for name, info in braking.items() if name not in told}
     return dict(_meaning(evaluator).run(evaluator.rules, others))
 
 

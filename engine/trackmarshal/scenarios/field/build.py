@@ -18,7 +18,7 @@ from trackmarshal.scenarios.field import log as logs
 from trackmarshal.scenarios.field.candidates import Braking
 from trackmarshal.scenarios.field.header import given
 from trackmarshal.scenarios.field.log import MOVING, Log
-from trackmarshal.scenarios.field.mapping import Mapping
+from trackmarshal.scenarios.field.mapping import BRAKING, Mapping
 from trackmarshal.scenarios.field.noise import MOVING as MEASURED
 from trackmarshal.scenarios.field.noise import Noise, estimate
 from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
@@ -197,7 +197,7 @@ def _braking(mapping: Mapping) -> Braking:
     compiled = compile_paths([path])
     compiled.raise_errors()
     values = {info.short: info.value for info in compiled.spec.params.values()}
-    missing = [name for name in ("mu", "g", "mass", "drag", "b_max") if name not in values]
+    missing = [name for name in BRAKING if name not in values]
     if missing:
         message = f"the vehicle `{mapping.vehicle}` has no parameter `{missing[0]}`"
         raise TrackmarshalError(

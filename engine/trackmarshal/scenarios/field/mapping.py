@@ -27,6 +27,8 @@ OF_LOGS: dict[str, tuple[float, float, Dimension]] = {"ns": (1.0, 1e9, TIME), "m
 NEEDED = ("t", "x", "y", "heading", "v")
 #: The direction of a heading of zero, as an angle from +x in quarter turns.
 ZEROS = {"+x": 0, "+y": 1, "-x": 2, "-y": 3}
+#: What a vehicle's spec says of how it brakes, by which emergency trajectories are made.
+BRAKING = ("mu", "g", "mass", "drag", "b_max")
 #: What a firing may be put down to by a person.
 DECLARED_CAUSES = ("rule", "real")
 
