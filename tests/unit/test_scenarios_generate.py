@@ -20,6 +20,7 @@ from jsonschema import Draft202012Validator
 from support.envelope import same_lane
 from trackmarshal import scenarios
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.faults import declaration as campaigns
 from trackmarshal.scenarios.field import mapping
@@ -29,6 +30,7 @@ from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.scenarios.generate.candidates import Braking, emergency
 from trackmarshal.scenarios.generate.motion import Motion, Profile
 from trackmarshal.scenarios.recording import Recording
+from trackmarshal.scenarios.replay import replay
 
 SPECS = Path(__file__).parents[2] / "specs"
 CUT_IN = SPECS / "scenarios" / "cut_in.yaml"
@@ -652,3 +654,51 @@ def test_nothing_heavy_is_imported() -> None:
         "assert not {'yaml', 'numpy', 'shapely', 'jsonschema', 'zipfile'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+#: What a declaration says of its vehicle in SI, as another spec than the shipped ones declares it.
+OF_THE_VEHICLE = {
+    "length": ("length : m = 5 m", "length : cm = 500 cm", "length >= 4 m"),
+    "b_max": ("b_max : m/s^2 = 9 m/s^2", "b_max : km/h/s = 32 km/h/s", "b_max >= 9 m/s^2"),
+    "ax_max": (
+        "ax_max(v: m/s) -> m/s^2 = linear clamp | 0 m/s: 5 m/s^2 |",
+        "ax_max(v: km/h) -> m/s^2 = linear clamp | 0 m/s: 5 m/s^2 |",
+        "ax_max(40 m/s) >= 5 m/s^2",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", OF_THE_VEHICLE)
+def test_what_is_generated_in_si_is_not_taken_in_another_unit(name: str, tmp_path: Path) -> None:
+    """A car of 4.7 m was one of 4.7 cm, which collides with nothing."""
+    recording = generate(declared(tmp_path, ("duration: 10", "duration: 0.4")))
+    params = {key: value for key, value in recording.params.items() if key == name}
+    tables = {key: rows for key, rows in recording.tables.items() if key == name}
+    own = replace(recording, params=params, tables=tables, ground_truth={})
+    head = "module made\nsignal ego : state { x: m, y: m, heading: rad, v: m/s }\n"
+    kind = "table" if "(" in OF_THE_VEHICLE[name][0] else "param"
+    in_si, in_another, asked = OF_THE_VEHICLE[name]
+    specs = [
+        loads(f"{head}{kind} {said}\nrule big require {asked} and ego.v >= 0 m/s\n")
+        for said in (in_si, in_another)
+    ]
+    assert len(replay(own, Evaluator(specs[0])).cycles) == len(own.cycles)
+    with pytest.raises(TrackmarshalError, match=f"D147.*`{name}` in "):
+        replay(own, Evaluator(specs[1]))
+    # What a declaration gives itself, under `params`, is in the declared units, as in any recording.
+    assert len(replay(replace(own, in_si=frozenset()), Evaluator(specs[1])).cycles) == len(own.cycles)
+
+
+def test_what_a_declaration_gives_itself_is_in_declared_units(tmp_path: Path) -> None:
+    made_here = generate(declared(tmp_path, ("duration: 10", "params: {length: 470}\nduration: 0.4")))
+    assert {key for _, key in made_here.in_si} == {
+        "ax_max",
+        "width",
+        "R_min",
+        "b_max",
+        "mu",
+        "g",
+        "drag",
+        "drive_factor",
+    }
+    assert made(FREE_LAP).in_si == frozenset()  # its vehicle is that of a spec

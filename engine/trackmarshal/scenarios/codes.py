@@ -99,7 +99,8 @@ CODES: dict[str, tuple[str, str]] = {
     ),
     "D147": (
         "recordings are in other units than the spec",
-        "What the format of recordings has itself, such as speeds of objects, curvatures and ages, is in the units of the SI there. A spec that declares "
+        "What the format of recordings has itself, such as speeds of objects, curvatures and ages, is in the units of the SI there, and so is what declarations and archives say of "
+        "their vehicle in place of the spec. A spec that declares "
         "one of them in another unit would take 25 m/s for 25 km/h. Declare it in the unit of the SI; what rules ask of it may be in any, and "
         "fields of one's own are in the unit that the spec declares.",
     ),

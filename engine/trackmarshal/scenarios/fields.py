@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.spec import ParamInfo, Spec, TableInfo, short_name
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
@@ -135,24 +135,38 @@ def check_fit(recording: Recording, evaluator: Evaluator) -> None:
 
 
 def _check_si(recording: Recording, evaluator: Evaluator) -> None:
-    """Raise D147 for a number of the format's own that would be taken in another unit."""
-    signals = evaluator.spec.signals
+    """Raise D147 for a number of the format's own, or of what was made in SI, that would be taken in another unit."""
+    spec = evaluator.spec
     for name in SIGNALS:
-        for field in signals[name].fields_ if name in signals else ():
-            if field.name not in OWN[name] or field.kind != "number":
-                continue
-            *scale, dimension = parse_unit(field.unit)
-            if (
-                scale == [1.0, 1.0] or f"{name}.{field.name}" in recording.given
-            ):  # what is given is in the declared unit
-                continue
-            if any(field.name in each for each in records_of(recording, name)):
-                raise TrackmarshalError(
-                    "D147",
-                    f"the spec has `{name}.{field.name}` in {field.unit}, and recordings have it in {show(dimension)}",
-                    file=recording.source,
-                    help=f"declare it in {show(dimension)}; what rules ask of it may be in any unit",
-                )
+        for field in spec.signals[name].fields_ if name in spec.signals else ():
+            # What is given is in the declared unit.
+            own = field.name in OWN[name] and f"{name}.{field.name}" not in recording.given
+            if own and field.kind == "number" and not _is_si(field.unit):
+                if any(field.name in each for each in records_of(recording, name)):
+                    raise _not_si(recording, f"{name}.{field.name}", field.unit)
+    for kind, name in sorted(recording.in_si):
+        if name not in (recording.params if kind == "params" else recording.tables):
+            continue  # what the command line says counts more
+        infos: Mapping[str, ParamInfo | TableInfo] = spec.params if kind == "params" else spec.tables
+        for info in infos.values():
+            units = info.units if isinstance(info, TableInfo) else (info.unit,)
+            for unit in units if name in (info.name, short_name(info)) else ():
+                if not _is_si(unit):
+                    raise _not_si(recording, name, unit)
+
+
+def _is_si(unit: str) -> bool:
+    return parse_unit(unit)[:2] == (1.0, 1.0)
+
+
+def _not_si(recording: Recording, name: str, unit: str) -> TrackmarshalError:
+    wanted = show(parse_unit(unit)[2])
+    return TrackmarshalError(
+        "D147",
+        f"the spec has `{name}` in {unit}, and recordings have it in {wanted}",
+        file=recording.source,
+        help=f"declare it in {wanted}; what rules ask of it may be in any unit",
+    )
 
 
 def unnamed_track(recording: Recording, evaluator: Evaluator) -> str:

@@ -88,6 +88,8 @@ class Recording:
     because: dict[str, str] = field(default_factory=dict)
     #: What its cycles were made from besides its own file and data: the values that specs say of vehicles, in full.
     of_specs: str = field(default="", compare=False)
+    #: Its parameters and tables that were made in SI, whatever units specs declare: (`params` or `tables`, name).
+    in_si: frozenset[tuple[str, str]] = field(default=frozenset(), compare=False)
     #: Whether it was generated from a declaration, and nobody recorded it.
     generated: bool = field(default=False, compare=False)
     #: What the record of a run says of the members and the units of then, where it was one.

@@ -60,6 +60,7 @@ def read_with(data: bytes, shown: str, wanted: Iterable[str]) -> tuple[Recording
         tables=tables,
         ground_truth=truth,
         notes=tuple(scenario.notes),
+        in_si=frozenset({("params", name) for name in params} | {("tables", name) for name in tables}),
         given={name: value for name, (value, _) in given.items()},
         because={**because, **{name: why for name, (_, why) in given.items()}},
     )

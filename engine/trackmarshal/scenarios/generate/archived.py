@@ -48,6 +48,7 @@ def load(path: Path, shown: str) -> Recording:
         params={**recording.params, **{name: value.number() for name, value in params.items()}},
         because={name: why for name, why in recording.because.items() if name not in params},
         tables={**recording.tables, **{name: value.rows() for name, value in tables.items()}},
+        in_si=recording.in_si - {("params", name) for name in params} - {("tables", name) for name in tables},
     )
     known = Specs(specs)
     return rule_truth.with_truth(with_further(recording, further, known, columns), truth, known)

@@ -65,6 +65,12 @@ class Vehicle:
         """What it overrides in their tables."""
         return {"ax_max": self.drive} if self.own_tables is None else self.own_tables
 
+    @property
+    def in_si(self) -> set[tuple[str, str]]:
+        """Of these, what is in SI, and not in the units that a spec declares: (`params` or `tables`, name)."""
+        params = {("params", name) for name in self.params} if self.own_params is None else set()
+        return params | ({("tables", name) for name in self.tables} if self.own_tables is None else set())
+
     def extents(self, tilt: float) -> tuple[float, float]:
         """Half the extents along and across the road of the rectangle that is turned by `tilt`, m."""
         cos, sin = abs(math.cos(tilt)), abs(math.sin(tilt))

@@ -87,6 +87,9 @@ def run(declared: Declaration, shown: str) -> Recording:
         use=declared.use,
         notes=declared.notes,
         because={**because, **declared.because},
+        in_si=frozenset(vehicle.in_si | {("params", name) for name in speed})
+        - {("params", name) for name in declared.params}
+        - {("tables", name) for name in declared.tables},
         of_specs="\n".join(repr(car.vehicle) for car in (declared.ego, *declared.others) if car.vehicle.spec),
         generated=True,
     )
