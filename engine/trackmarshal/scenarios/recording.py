@@ -7,13 +7,15 @@ turns left, a pose is the centre of the vehicle's rectangle.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
-from trackmarshal.runtime.members import Members
-from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import moment
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.members import Members
+    from trackmarshal.runtime.written_units import Units
 
 #: A trajectory: equally long lists, by name.
 Columns = dict[str, list[float]]
