@@ -263,13 +263,14 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             since += 1
             continue
         signals = _plain(cycle.signals)
-        given = {**_NO_TRACK, **signals.get("track", {})}
+        given = signals.get("track", {})
+        given = given if "left" in given else {**_NO_TRACK, **given}
         standing = _elements(signals.get("obstacles"))
         if kept and given != track:
             notes.append(f"the track changes at {moment(cycle.t)} s; what follows is left out")
             break
         if not kept:
-            track, obstacles = given, standing
+            track, obstacles = dict(given), standing
         # Numbers tell of those that were lost on the way, and rows of steps that got none.
         missing = 0 if last is None else min(max(since, cycle.number - last - 1), MOST_LOST)
         last, since = cycle.number, 0
