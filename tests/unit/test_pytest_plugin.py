@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import importlib
+import io
 import os
 import shutil
 import subprocess
 import sys
+import warnings
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
@@ -85,28 +90,33 @@ def project(tmp_path: Path) -> Path:
     return tmp_path / "project"
 
 
-def run(project: Path, tests: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run(project: Path, tests: str, *arguments: str, apart: bool = False) -> subprocess.CompletedProcess[str]:
+    """A run of pytest, whose files of tests are forgotten behind it. apart: in a process of its own, as each has with pytest-xdist."""
     (project / "tests" / "test_door.py").write_text(tests, "utf-8")
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "trackmarshal.pytest_plugin",
-        "-p",
-        "no:cacheprovider",
-        *(("-p", "xdist") if "-n" in arguments else ()),
-        *arguments,
-    ]
+    words = ["-q", "-p", "trackmarshal.pytest_plugin", "-p", "no:cacheprovider", *arguments]
     # Not what else is installed beside it: to load that takes three times as long as all the rest of a run.
-    alone = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
-    return subprocess.run(
-        command, cwd=project, capture_output=True, text=True, errors="replace", check=False, env=alone
-    )
+    alone = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    if apart or "-n" in arguments:
+        command = [sys.executable, "-m", "pytest", *words, *(("-p", "xdist") if "-n" in arguments else ())]
+        return subprocess.run(
+            command, cwd=project, capture_output=True, text=True, errors="replace", check=False, env={**os.environ, **alone}
+        )  # fmt: skip
+    out, err = io.StringIO(), io.StringIO()
+    importlib.invalidate_caches()
+    with (
+        mock.patch.dict(os.environ, alone), mock.patch.object(sys, "path", [*sys.path]), mock.patch.object(sys, "meta_path", [*sys.meta_path]),
+        warnings.catch_warnings(), contextlib.chdir(project), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err),
+    ):  # fmt: skip
+        warnings.resetwarnings()  # this run's own are errors
+        # Where faults of the interpreter are told, and what was never closed, is the business of the run around it.
+        status = pytest.main([*words, "-p", "no:faulthandler", "-p", "no:unraisableexception"])
+    for name, module in [*sys.modules.items()]:
+        if (getattr(module, "__file__", None) or "").startswith(f"{project}{os.sep}"):
+            del sys.modules[name]
+    return subprocess.CompletedProcess(words, int(status), out.getvalue(), err.getvalue())
 
 
-@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
+@pytest.mark.parametrize("more", [[], ["-n", "1"]], ids=["alone", "xdist"])
 def test_of_an_inherited_test_both_files_are_held(project: Path, more: list[str]) -> None:
     checks = 'import pytest\n\n\nclass Checks:\n    @pytest.mark.verifies("RR-1")\n    def test_limit(self):\n        assert self.limit == 12\n'
     own = "from checks import Checks\n\n\nclass TestDoor(Checks):\n    limit = 12\n\n    def test_more(self): ...\n"
@@ -120,7 +130,7 @@ def test_of_an_inherited_test_both_files_are_held(project: Path, more: list[str]
     assert test.collected_hash == hashlib.sha256(own.encode()).hexdigest()
 
 
-@pytest.mark.parametrize("more", [[], ["-n", "2"]], ids=["alone", "xdist"])
+@pytest.mark.parametrize("more", [[], ["-n", "1"]], ids=["alone", "xdist"])
 def test_a_file_is_held_as_it_was_collected_whatever_becomes_of_it_before_its_tests_run(
     project: Path, more: list[str]
 ) -> None:
@@ -242,7 +252,7 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
     """With -O and `--assert=plain`, what fails would pass."""
     monkeypatch.setenv("PYTHONOPTIMIZE", "1")
     tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\n'
-    done = run(project, tests, "--assert=plain", "--trackmarshal-results=out/a.json")
+    done = run(project, tests, "--assert=plain", "--trackmarshal-results=out/a.json", apart=True)
     assert done.returncode == 4
     assert "Python runs with -O" in done.stdout + done.stderr
     assert not (project / "out" / "a.json").exists()
@@ -443,7 +453,7 @@ def test_what_an_earlier_session_wrote_does_not_outlive_one_that_is_killed(proje
     assert load(project / "out" / "a.json").items
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("DIE", "1")
-        assert run(project, tests, "--trackmarshal-results=out/a.json").returncode == 1
+        assert run(project, tests, "--trackmarshal-results=out/a.json", apart=True).returncode == 1
     assert not (project / "out" / "a.json").exists()
 
 
@@ -488,6 +498,6 @@ def test_reports_in_xml_of_asserts_that_do_nothing_show_nothing(
 ) -> None:
     monkeypatch.setenv("PYTHONOPTIMIZE", "1")
     tests = 'import pytest\n@pytest.mark.verifies("S-1-B-1")\ndef test_it(): assert False\n'
-    assert run(project, tests, "--assert=plain", "--junitxml=out/a.xml").returncode == 0
+    assert run(project, tests, "--assert=plain", "--junitxml=out/a.xml", apart=True).returncode == 0
     (test,) = reading.read(project / "out" / "a.xml", "a.xml")
     assert (test.requirements, test.outcome) == (("S-1-B-1",), "skipped")
