@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 from jsonschema import Draft202012Validator
 from referencing import Registry, Resource
 
+from support.length import amount
 from support.shared import REPOSITORY
 
 #: By command, the schema of what `--format json` or `jsonl` prints. A flag behind a verb: with it, another one.
@@ -22,6 +23,8 @@ SCHEMAS = {
 }  # fmt: skip
 #: So many outputs of a kind are looked at in a process, and so many lines of one from its beginning and its end: it takes longer than what prints them.
 MOST, LINES = 12, 4
+#: So many plain values of a list are held as they stand: of a series of a thousand numbers, all others say the same of its schema.
+PLAIN = 8
 
 _held: Counter[str] = Counter()
 
@@ -59,7 +62,20 @@ def hold(arguments: Sequence[str], out: str) -> None:
         return
     _held[name] += 1
     for value in values(arguments, out):
-        validator(name).validate(value)
+        validator(name).validate(amount(brief(value), value))
+
+
+def brief(value: Any) -> Any:
+    """The same, but of long lists of plain values only the first ones, each other word and kind of value, and the least and the greatest number."""
+    if isinstance(value, dict):
+        return {name: brief(one) for name, one in value.items()}
+    if not isinstance(value, list):
+        return value
+    if len(value) <= PLAIN or any(isinstance(one, dict | list) for one in value):
+        return [brief(one) for one in value]
+    kinds = {one if isinstance(one, str) else type(one): one for one in value[PLAIN:]}
+    numbers = [one for one in value if isinstance(one, int | float)]
+    return [*value[:PLAIN], *kinds.values(), *({min(numbers), max(numbers)} if numbers else ())]
 
 
 def values(arguments: Sequence[str], out: str) -> Iterator[Any]:

@@ -14,7 +14,7 @@ import pytest
 from jsonschema import Draft202012Validator, ValidationError
 
 from support.project import run_command
-from support.schemas import SCHEMAS, schema_of, schemas, strict, validator
+from support.schemas import SCHEMAS, brief, schema_of, schemas, strict, validator
 from support.shared import REPOSITORY
 from trackmarshal.cli.main import VERBS
 from trackmarshal.comparing.changes import EQUAL, GONE, MIXED, NEW, NOT_COMPARABLE, STRICTER, WEAKER
@@ -194,3 +194,12 @@ def test_anything_else_is_refused() -> None:
             validator("eval").validate(other)
     with pytest.raises(ValueError, match="NaN"):
         strict('{"margin": NaN}')
+
+
+@pytest.mark.parametrize("wrong", [None, True, 7, "fine", -1e9, 1e9])
+def test_of_a_long_list_what_alone_is_otherwise_is_held(wrong: Any) -> None:
+    long = [{"series": [*(0.5 * k for k in range(50)), wrong, *(0.5 * k for k in range(50))]}]
+    (held,) = brief(long)
+    assert any(one == wrong and type(one) is type(wrong) for one in held["series"])
+    assert len(held["series"]) < 20
+    assert brief([0.5] * 3) == [0.5] * 3
