@@ -38,11 +38,13 @@ def test_the_sample_is_laid_out() -> None:
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_shipped_specs_keep_their_meaning_and_their_comments(path: Path) -> None:
+    """As they are: what is laid out already is read once, since the same text means the same."""
     file = read(path)
     out = SourceFile("out.spec", format_text(file))
-    assert parse(out)[0].items == parse(file)[0].items
-    assert [c.text for c in comments_of(out.text)] == [c.text for c in comments_of(file.text)]
-    assert format_text(out) == out.text
+    if out.text != file.text:
+        assert parse(out)[0].items == parse(file)[0].items
+        assert [c.text for c in comments_of(out.text)] == [c.text for c in comments_of(file.text)]
+        assert format_text(out) == out.text
 
 
 def test_clauses_stand_one_a_line_with_one_column_of_keywords() -> None:

@@ -484,11 +484,13 @@ def star(number: int) -> tuple[list[SpecItem], list[SpecTest], list[TestResult]]
 
 
 def test_very_many_links_to_one_node() -> None:
-    number = amount(20_000, 100_000)
+    number = amount(5_000, 100_000)
     items, tests, results = star(number)
     graph = trace.build(Small().root, items, tests, results, [], TODAY).graph
     assert len(graph.into(("requirement", "RR-1"))) == number
-    assert len(paths(graph, named(graph, "RR-1"), named(graph, "r1999*"))) == len(named(graph, "r1999*"))
+    some = named(graph, f"r{number // 10 - 1}*")
+    assert len(some) == 11
+    assert len(paths(graph, named(graph, "RR-1"), some)) == 11
     every = [path for path in paths(graph, named(graph, "RR-1"), named(graph, "rule")) if path.target]
     assert len(every) == number
 
