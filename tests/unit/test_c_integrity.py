@@ -64,12 +64,16 @@ def switched(text: str) -> str:
 
 
 @cache
+def as_it_is() -> Source:
+    return program(shipped())
+
+
+@cache
 def source() -> Source:
-    made = program(shipped())
-    return replace(made, source=switched(made.source))
+    return replace(as_it_is(), source=switched(as_it_is().source))
 
 
-NAMES = list(names(program(shipped()).source)) if compiler() is not None else []
+NAMES = list(names(as_it_is().source)) if compiler() is not None else []
 
 
 class Bold(Stepper):
@@ -89,6 +93,7 @@ class Run:
     verdicts: list[bytes]
 
 
+@cache
 def run(emptied: int, answer: int) -> Run:
     """A drive with cycles of all sorts, the function of a number doing nothing."""
     ctypes.c_int.in_dll(dll(), "tmg_answer").value = answer
@@ -140,7 +145,6 @@ def dll() -> ctypes.CDLL:
     return Driver(source(), Bold).made._dll
 
 
-@cache
 def whole() -> Run:
     return run(-1, 0)
 
