@@ -100,6 +100,13 @@ def test_it_decides_as_python_on_the_shipped_scenarios(recording: Path, folder: 
     agree(list(said.lines), python_says(recording, spec, "numpy"), names(spec))
 
 
+def test_it_reads_standard_input_as_well(folder: Path) -> None:
+    cycles = folder / f"{name_of(SCENARIOS[0])}.cycles"
+    with cycles.open("rb") as given:
+        done = subprocess.run([folder / "example"], stdin=given, capture_output=True, text=True, check=True)
+    assert tuple(done.stdout.splitlines()) == embedded.run(folder / "example", cycles).lines
+
+
 def a_run(path: Path, spec: Spec, count: int) -> tuple[list[str], set[str]]:
     """A run with all sorts of broken cycles: its record goes to `path`. What Python decided, and the faults that it named."""
     now, rng, lines, faults = 0.0, random.Random(5), list[str](), set[str]()

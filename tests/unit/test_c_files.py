@@ -64,8 +64,9 @@ def test_files(written: Path) -> None:
     assert {path.name for path in written.iterdir()} == FILES | {CYCLES}
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
+@pytest.mark.parametrize("compiler", [at_length("gcc"), "clang"])
 def test_clean_and_sanitized(written: Path, compiler: str) -> None:
+    """Every day, gcc makes the same in test_c_example.py."""
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
     program = written.parent / f"example_{compiler}"
