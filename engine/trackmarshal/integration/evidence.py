@@ -46,10 +46,16 @@ def ratio(measured: list[Array], expected: list[Array]) -> Ratio:
     if keep.sum() < 3:
         return NOTHING
     each = a[keep] / b[keep]
-    factor = float(np.median(each))
+    factor = _median(each)
     if factor == 0.0:
         return NOTHING
-    return Ratio(factor, float(np.median(np.abs(each - factor))) / abs(factor), int(keep.sum()))
+    return Ratio(factor, _median(np.abs(each - factor)) / abs(factor), len(each))
+
+
+def _median(numbers: Array) -> float:
+    """Of finite numbers: the same as numpy's, which takes most of its time to find out what it is given."""
+    ordered, middle = np.sort(numbers), len(numbers) // 2
+    return float(ordered[middle] if len(numbers) % 2 else (ordered[middle - 1] + ordered[middle]) / 2)
 
 
 def chords(timelines: Timelines, x: str, y: str) -> list[Array]:
@@ -57,23 +63,38 @@ def chords(timelines: Timelines, x: str, y: str) -> list[Array]:
     return [np.hypot(np.diff(one[x]), np.diff(one[y])) for one in timelines]
 
 
+def grown(timelines: Timelines, column: str) -> list[Array]:
+    """By how much a column grows from sample to sample."""
+    return [np.diff(one[column]) for one in timelines]
+
+
+def covered(timelines: Timelines, v: str, t: str) -> list[Array]:
+    """How far a speed leads over a time from sample to sample; not known where the time does not go on everywhere."""
+    found = []
+    for one in timelines:
+        dt = np.diff(one[t])
+        goes_on = bool(np.all(dt > 0))
+        found.append((one[v][:-1] + one[v][1:]) / 2 * dt if goes_on else np.full(len(dt), math.nan))
+    return found
+
+
+def as_distances(measured: list[Array], ds: list[Array]) -> Ratio:
+    """Whether numbers from sample to sample are the distances there."""
+    if not measured:
+        return NOTHING
+    a, step = np.concatenate(measured), np.concatenate(ds)
+    moves = step > SHORT
+    return ratio([a[moves]], [step[moves]])
+
+
 def grows_with(timelines: Timelines, column: str, ds: list[Array]) -> Ratio:
     """Whether a column grows by the distance from sample to sample."""
-    moved = [(np.diff(one[column]), step) for one, step in zip(timelines, ds)]
-    return ratio([a[step > SHORT] for a, step in moved], [step[step > SHORT] for _, step in moved])
+    return as_distances(grown(timelines, column), ds)
 
 
 def speed_and_time(timelines: Timelines, v: str, t: str, ds: list[Array]) -> Ratio:
     """Whether the distance is that of a speed over a time: factor = v dt / ds."""
-    measured, expected = [], []
-    for one, step in zip(timelines, ds):
-        dt = np.diff(one[t])
-        if not np.all(dt > 0):
-            continue
-        keep = step > SHORT
-        measured.append(((one[v][:-1] + one[v][1:]) / 2 * dt)[keep])
-        expected.append(step[keep])
-    return ratio(measured, expected)
+    return as_distances(covered(timelines, v, t), ds)
 
 
 def acceleration(timelines: Timelines, a: str, v: str, ds: list[Array]) -> Ratio:

@@ -138,6 +138,8 @@ def _places(timelines: Timelines, names: list[str]) -> tuple[tuple[str, str], st
     """x and y: called so, and another column grows by their distances, or is a speed that over a time gives them."""
     ranked: list[tuple[float, tuple[str, str], str]] = []
     some = timelines[:8]
+    growing = {name: evidence.grown(some, name) for name in names if _grows(some, name)}
+    products = {(v, t): evidence.covered(some, v, t) for t in growing for v in names if v != t}
     for i, p in enumerate(names):
         for q in names[i + 1 :]:
             straight, swapped = (likeness(a, "x") + likeness(b, "y") for a, b in ((p, q), (q, p)))
@@ -145,15 +147,18 @@ def _places(timelines: Timelines, names: list[str]) -> tuple[tuple[str, str], st
             ds = evidence.chords(some, x, y)
             if not any((step > evidence.SHORT).sum() > 2 for step in ds):
                 continue
-            rest = [name for name in names if name not in (p, q)]
             grown = max(
-                ((_sure(evidence.grows_with(some, r, ds), LENGTHS), r) for r in rest if _grows(some, r)),
+                (
+                    (_sure(evidence.as_distances(by, ds), LENGTHS), r)
+                    for r, by in growing.items()
+                    if r not in (p, q)
+                ),
                 default=(0.0, ""),
             )
             timed = max(
                 (
-                    (_sure(evidence.speed_and_time(some, v, t, ds), _PRODUCTS), f"{v} over {t}")
-                    for t in rest if _grows(some, t) for v in rest if v != t
+                    (_sure(evidence.as_distances(way, ds), _PRODUCTS), f"{v} over {t}")
+                    for (v, t), way in products.items() if not {v, t} & {p, q}
                 ),
                 default=(0.0, ""),
             )  # fmt: skip
