@@ -7,7 +7,8 @@ BIN := $(VENV)/bin
 FOUND := out/tests
 STAMP := $(VENV)/.ready
 # As an installation has it: where Python may not keep what it compiles, every start would compile all modules again.
-COMPILE := $(BIN)/python -m compileall -q -j 0 engine trace
+# Tests too: each worker would compile all of them.
+COMPILE := $(BIN)/python -m compileall -q -j 0 engine trace tests
 # A file's tests stay together: they share what they prepare.
 PARALLEL := -n auto --dist loadfile
 

@@ -12,7 +12,7 @@ from hypothesis import settings
 
 from support.length import AT_LENGTH
 from support.once import compiled_once, generated_once
-from trackmarshal.backends.c import build
+from trackmarshal.backends.c import build, report
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.semantics.compile import _Compiler
 
@@ -49,7 +49,8 @@ AS_SHIPPED = (
     "acceptance/test_oracles_rss.py", "acceptance/test_recordings.py", "differential/test_c_kernel.py",
     "differential/test_c_shipped.py",
 )  # fmt: skip
-assert all((Path(__file__).parent / file).is_file() for file in AS_SHIPPED)
+ASKS_FOR_STACK = "unit/test_c_files.py"
+assert all((Path(__file__).parent / file).is_file() for file in (*AS_SHIPPED, ASKS_FOR_STACK))
 
 #: The files that take longest in `make acceptance`, the longest first: whoever begins one of them last waits for it alone. Each of their
 #: tests goes to whoever is free.
@@ -90,8 +91,12 @@ def optimization(request: pytest.FixtureRequest) -> Iterator[None]:
     """Nothing that a test of another file compares depends on it, and without it a compiler takes a quarter of the time.
 
     `make acceptance` compiles all as it ships. Commands in a process of their own always do.
+
+    How much stack is taken is asked in the tests of the report alone: for that, gcc compiles each program once more, and optimizes it.
     """
     with pytest.MonkeyPatch.context() as patch:
+        if not AT_LENGTH and not str(request.path).endswith(ASKS_FOR_STACK):
+            patch.setattr(report, "stack", lambda source: None)
         if not AT_LENGTH and not str(request.path).endswith(AS_SHIPPED):
             patch.setattr(build, "FAST", ("-O0", *build.FAST[1:]))
         yield

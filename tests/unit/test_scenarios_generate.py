@@ -247,7 +247,7 @@ def test_free_lap_is_safe_throughout() -> None:
 
 def test_overrides_are_known_to_the_shipped_vehicles(tmp_path: Path) -> None:
     """A vehicle that stands in the declaration is other than the shipped ones, and the recording says so."""
-    recording = generate(declared(tmp_path))
+    recording = generate(declared(tmp_path, ("step: 0.1", "step: 1")))
     assert recording.params["mu"] * recording.params["g"] == pytest.approx(GRIP)
     for vehicle in sorted((SPECS / "vehicles").glob("*.spec")):
         names = re.findall(r"^(?:param|table) +(\w+)", vehicle.read_text(), re.MULTILINE)
