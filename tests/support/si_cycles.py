@@ -14,9 +14,9 @@ from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.door.lines import line
 from trackmarshal.runtime.frame import Columns, Names
 
-#: Capacities and limits that tests begin with.
+#: Limits that tests begin with. Capacities are those that hold by default, so that programs are those of other tests.
 LIMITS: Mapping[str, float] = {
-    "samples": 64, "elements": 32, "border": 256, "rate": 50, "shortest_gap": 0.001, "longest_gap": 0.15, "oldest": 0.1, "clock_tolerance": 0.01,
+    "samples": 128, "elements": 32, "border": 2048, "rate": 50, "shortest_gap": 0.001, "longest_gap": 0.15, "oldest": 0.1, "clock_tolerance": 0.01,
     "budget": 0.05, "start_distance": 0.1, "start_turn": 0.05, "start_speed": 0.5, "rest_speed": 0.01, "apart": 4.0, "beside": 1.5, "turned": 0.35, "overspeed": 5.0,
     "blind": 0.5,
 }  # fmt: skip
