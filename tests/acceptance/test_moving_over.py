@@ -15,6 +15,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from support.agreement import unsafe
 from support.dense.sweep import corners
 from support.length import at_length
 from support.supervised import shipped
@@ -116,8 +117,7 @@ def judged(cases: list[dict[str, Any]]) -> list[set[str]]:
     """By case the rules about others that are violated."""
     rules = {rule.name for rule in shipped().rules if rule.module == "supervisor.collision"} - {"rss_eq1"}
     judge = Evaluator(shipped(), sorted(rules), "numpy")
-    results = judge.evaluate(judge.read_all(cases))
-    return [{name for name, rule in result.rules.items() if rule.unsafe} for result in results]
+    return unsafe(judge, judge.read_all(cases))
 
 
 def case(fallback: Fallback, other: Other, width: float = OTHER_WIDTH) -> dict[str, Any]:

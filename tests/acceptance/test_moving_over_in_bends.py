@@ -15,6 +15,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from support.agreement import unsafe
 from support.dense.sweep import corners
 from support.length import at_length
 from support.supervised import shipped
@@ -170,10 +171,8 @@ def test_nobody_is_met_who_keeps_to_his_line(count: int, behind: bool) -> None:
     rules = {rule.name for rule in shipped().rules if rule.module == "supervisor.collision"} - {"rss_eq1"}
     judge = Evaluator(shipped(), sorted(rules), "numpy")
     cases = made(count, behind)
-    results = judge.evaluate(judge.read_all([case(*each) for each in cases]))
-    safe = [
-        one for one, result in zip(cases, results) if not any(rule.unsafe for rule in result.rules.values())
-    ]
+    found = unsafe(judge, judge.read_all([case(*each) for each in cases]))
+    safe = [one for one, said in zip(cases, found, strict=True) if not said]
     assert len(safe) > count / 8
     assert not [
         (ring.radius, fallback.offset, fallback.v, other)

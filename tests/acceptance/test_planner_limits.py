@@ -37,7 +37,8 @@ def run(name: str, allowance: float = ALLOWANCE) -> Replay:
     more = {limit: given.params[limit] * allowance for limit in ("mu", "drive_factor")}
     given = replace(given, params={**given.params, **more})
     settings: list[Path] = [shared("data", "planner", f"{what}.spec") for what in ("ltpl_car", "ltpl_track")]
-    return replay(given, evaluator_for(given, SUPERVISOR, settings, None, list(RULES), "numpy"))
+    evaluator = evaluator_for(given, SUPERVISOR, settings, None, list(RULES), "numpy")
+    return replay(given, evaluator, brief=True)
 
 
 def fired(outcome: Replay) -> dict[str, set[float]]:

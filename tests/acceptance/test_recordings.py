@@ -31,7 +31,7 @@ def run(name: str, backend: str, every: int = 1) -> Replay:
     recording = load(shared("data", "scenarios", f"{name}.saa"))
     recording = replace(recording, cycles=recording.cycles[::every])
     evaluator = evaluator_for(recording, ROOT / "specs" / "supervisor", [], None, None, backend, known=_known)
-    return replay(recording, evaluator)
+    return replay(recording, evaluator, brief=True)
 
 
 def unsafe(name: str, candidate: str, rule: str, backend: str = "numpy") -> list[tuple[float, float]]:

@@ -54,7 +54,7 @@ def run(path: Path, without: tuple[str, ...] = ()) -> Replay:
         names = [rule.name for rule in evaluator.rules]
         assert set(without) <= set(names)
         evaluator = Evaluator(evaluator.spec, [name for name in names if name not in without], "numpy")
-    return replay(recording, evaluator)
+    return replay(recording, evaluator, brief=True)
 
 
 def test_the_project_declares_every_recording() -> None:

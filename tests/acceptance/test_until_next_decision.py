@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import shapely
 
+from support.agreement import unsafe
 from support.dense.sweep import corners
 from support.length import at_length
 from support.supervised import shipped
@@ -76,8 +77,7 @@ OTHERS = {rule.name for rule in shipped().rules if rule.module == "supervisor.co
 def fired(traffic: list[Traffic], rules: set[str] = OTHERS) -> list[set[str]]:
     """By case the rules about others that are violated."""
     judge = Evaluator(shipped(), sorted(rules), "numpy")
-    results = judge.evaluate(judge.read_all([each.case() for each in traffic]))
-    return [{name for name, rule in result.rules.items() if rule.unsafe} for result in results]
+    return unsafe(judge, judge.read_all([each.case() for each in traffic]))
 
 
 @pytest.mark.parametrize("count", [300, at_length(3000)])

@@ -23,7 +23,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import Frame
-from trackmarshal.runtime.program import Program
+from trackmarshal.runtime.program import SAFE_CODES, Program
 from trackmarshal.runtime.verdict import VERDICTS, CaseResult, RuleResult
 
 #: Functions of which the platform's libm and numpy's own code may give neighbouring doubles.
@@ -98,6 +98,21 @@ def outcomes(program: Program | Evaluator, frames: Sequence[Frame]) -> list[dict
             )
         }
         for judged in program.judge_all(frames)
+    ]
+
+
+def unsafe(evaluator: Evaluator, frames: Sequence[Frame]) -> list[set[str]]:
+    """The rules that make each case unsafe. What decided is not looked for, which takes as long as all the rest."""
+    judged = (
+        one for start in range(0, len(frames), evaluation.CHUNK) for one in evaluator.judge_all(frames[start : start + evaluation.CHUNK])
+    )  # fmt: skip
+    return [
+        {
+            rule.name
+            for rule, code in zip(evaluator.rules, one.rated[""].verdicts, strict=True)
+            if code not in SAFE_CODES and not rule.advisory
+        }
+        for one in judged
     ]
 
 

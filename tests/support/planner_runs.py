@@ -48,7 +48,7 @@ def run(name: str, share: float, every: int = 1, backend: str = "numpy") -> Run:
     recording = replace(recording, params={**recording.params, **wider}, cycles=kept)
     specs = REPOSITORY / "specs"
     evaluator = evaluator_for(recording, specs / "supervisor", [*_nowhere(path)], REPOSITORY, None, backend)
-    outcome = replay(recording, evaluator)
+    outcome = replay(recording, evaluator, brief=True)
     fired: dict[Key, tuple[Firing, ...]] = {}
     for index, cycle in enumerate(outcome.cycles):
         assert set(cycle.results) == set(CANDIDATES)

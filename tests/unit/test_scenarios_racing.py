@@ -61,7 +61,7 @@ def test_the_ground_truth_notices_other_rules(
     recording = replace(recording, params={**recording.params, **params})
     spec, more = REPOSITORY / "specs" / "supervisor", [REPOSITORY / "specs" / "rulebooks"]
     evaluator = evaluator_for(recording, spec, [], REPOSITORY, RULES, "numpy", FOLDER, more, known)
-    outcome = replay(recording, evaluator)
+    outcome = replay(recording, evaluator, brief=True)
     assert [truth.kind for truth in outcome.truths if truth.missed] == ([missed] if missed else [])
     assert [truth.kind for truth in outcome.truths if truth.false_alarms] == ([alarms] if alarms else [])
     assert not outcome.uncovered
