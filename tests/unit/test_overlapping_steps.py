@@ -31,6 +31,8 @@ from trackmarshal.supervision import supervisor
 IN_C = pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
 AT_LENGTH = pytest.param("slowly", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
 pytestmark = pytest.mark.parametrize("backend", ["reference", IN_C, AT_LENGTH])
+#: About all that comes with a cycle; how many rules there are makes no difference to whose turn it is.
+RULES = ("friction", "safe_gap", "obstacle_collision", "static_collision")
 
 
 class Stopping(Mapping[str, Any]):
@@ -61,7 +63,7 @@ class Clock:
 
 def made(backend: str, clock: Clock, record: Path | None = None) -> Supervisor | CSupervisor:
     own = "c" if backend == "slowly" else backend
-    one = supervisor(shipped(), backend=own, clock=clock, limits={"budget": 1e3}, record=record, snapshots=0)
+    one = supervisor(shipped(), RULES, own, {"budget": 1e3}, clock, record, snapshots=0)
     return quickly_or_not(one, backend)
 
 
