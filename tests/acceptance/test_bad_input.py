@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from support.length import at_length, shared_out
+from support.start import new_project
 from support.started import started
 from trackmarshal.cli.main import main
 from trackmarshal.testing.builders import BUILDERS
@@ -755,13 +756,11 @@ def test_a_cycle_without_an_emergency_trajectory_is_not_safe() -> None:
     [("specs: [specs]", 'specs: ["a\\0b"]'), ("default_spec: specs", 'default_spec: "a\\0b"')],
 )
 def test_a_zero_character_in_a_path_of_the_v_model(key: str, value: str, tmp_path: Path) -> None:
-    subprocess.run([*COMMAND, "init", tmp_path / "car", "--quiet"], check=True)
+    new_project(tmp_path / "car")
     model = tmp_path / "car" / "requirements" / "v-model.yaml"
     text = model.read_text("utf-8")
     assert key in text
     model.write_text(text.replace(key, value), "utf-8")
-    done = subprocess.run(
-        [*COMMAND, "trace", "--gate", "--project", tmp_path / "car"], capture_output=True, check=False
-    )
-    assert done.returncode in (1, 2)
-    assert b"error[E001]" in done.stdout + done.stderr
+    done = run("trace", "--gate", "--project", tmp_path / "car")
+    assert done.status in (1, 2)
+    assert "error[E001]" in done.text
