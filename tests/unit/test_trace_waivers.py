@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from golden.trace.cases import Small
+from golden.trace.cases import TODAY, Small
+from trackmarshal import trace
 from trackmarshal.trace.render.table import render_markdown
 
 PERSONS = """document: assurance
@@ -66,6 +68,39 @@ def test_a_waiver_for_subjects_of_every_requirement_is_a_blanket(
         "approver: the safety manager, granted: 2026-01-01, expires: 2026-12-31}\n",
     )
     found = [finding for finding in made.matrix().findings if finding.code == "T236"]
+    assert [finding.subject for finding in found] == ["W-2"] * blanket
+
+
+@pytest.mark.parametrize(
+    ("codes", "subjects", "blanket"),
+    [
+        ("T208", "A-*", True),
+        ("T252", "*-*", True),
+        ("T208", "A-S*", False),
+        ("T208", "A-SEEN, A-MAP", False),
+        ("T207", "A-*", False),
+        ("T212", "f*, *t*, *a*", True),
+        ("T211", "g*, t*", False),
+        ("T255", "f*, *t*, *a*", False),
+    ],
+)
+def test_a_waiver_for_every_rule_or_assumption_is_a_blanket(
+    codes: str, subjects: str, blanket: bool, tmp_path: Path
+) -> None:
+    """By their names it excused each that came later, too: an assumption that nobody backs was green."""
+    made = Small.copy(tmp_path)
+    listed = ", ".join(f'"{pattern}"' for pattern in subjects.split(", "))
+    made.replace(
+        "requirements/v-model.yaml",
+        "waivers:\n",
+        f"waivers:\n  - {{id: W-2, codes: [{codes}], subjects: [{listed}], justification: None., residual_risk: None., owner: the maintainers, "
+        "approver: the safety manager, granted: 2026-01-01, expires: 2026-12-31}\n",
+    )
+    items, tests, results, runs = made.parts()
+    (seen,) = (item for item in items if item.kind == "assume")
+    another = replace(seen, name="A-MAP", line=seen.line + 50, owner="", evidence="")
+    matrix = trace.build(made.root, [*items, another], tests, results, runs, TODAY)
+    found = [finding for finding in matrix.findings if finding.code == "T236"]
     assert [finding.subject for finding in found] == ["W-2"] * blanket
 
 

@@ -184,7 +184,7 @@ def assemble(
         *faults.check(project, spec, hashes),
         *files.check(project, spec, hashes),
         *outside.check(project, spec, around),
-        *waivers.check(project),
+        *waivers.check(project, spec),
     ]
     judged = [excuses.finding(finding) for finding in loose]
     findings = in_order([*found, *judged, *gates.check(project, cells), *excuses.check(cells)])

@@ -9,10 +9,17 @@ from datetime import date, timedelta
 from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.gates import WAIVABLE
 from trackmarshal.trace.model import Project, Requirement, Waiver, matches
+from trackmarshal.trace.spec import Spec
 from trackmarshal.trace.values import Placed
 
+#: Kinds of items of specs, what they are called, and by which codes they may be the subjects of a waiver.
+_SUBJECTS = (
+    ("rule", "rule", frozenset({"T211", "T212"})),
+    ("assume", "assumption", frozenset({"T208", "T211", "T212", "T252", "T253"})),
+)
 
-def check(project: Project) -> Iterator[Finding]:
+
+def check(project: Project, spec: Spec) -> Iterator[Finding]:
     """What is wrong with who approved a waiver, how long it holds, and how much it excuses (T234 to T236)."""
     persons = {plain(e.title): plain(e.id) for e in reversed(project.entries) if e.kind == "person"}
     for waiver in project.waivers:
@@ -27,7 +34,7 @@ def check(project: Project) -> Iterator[Finding]:
                 message = f"the waiver `{name}` holds from {waiver.granted} until {waiver.expires}, more than a year"
                 help_ = f"let it expire on {last} at the latest, and look at the gap again then"
                 yield error("T235", message, waiver.id.place, help_, name)
-        yield from _blanket(waiver, project)
+        yield from _blanket(waiver, project, spec)
 
 
 def a_year_after(day: date) -> date:
@@ -51,7 +58,7 @@ def plain(name: str) -> str:
     return " ".join("".join(letters).split()).casefold()
 
 
-def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
+def _blanket(waiver: Waiver, project: Project, spec: Spec) -> Iterator[Finding]:
     """T236 for a waiver of everything: whoever grants one has looked at no gap in particular."""
     demanded = [r for r in project.by_id.values() if r.demanded]
     wild = [pattern for pattern in (*waiver.requirements, *waiver.subjects) if "*" in pattern]
@@ -62,6 +69,10 @@ def _blanket(waiver: Waiver, project: Project) -> Iterator[Finding]:
             found.append((pattern, f"`{pattern}`, which is everything"))
     if wild and not found and len(demanded) > 1 and all(_excused(r, wild) for r in demanded):
         found.append((wild[0], "every requirement of the project"))
+    for kind, called, codes in _SUBJECTS:
+        names = [item.name for item in spec.by_name.values() if item.kind == kind]
+        if codes.intersection(waiver.codes) and len(names) > 1 and all(matches(name, wild) for name in names):
+            found.append((wild[0], f"every {called}"))
     if len(stages) > 1 and stages <= set(waiver.stages):
         found.append((waiver.stages[0], "every stage"))
     if set(waiver.codes) >= WAIVABLE:
