@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -319,6 +320,23 @@ def test_a_domain_is_recorded_at_both_of_its_ends(
     )
     matrix = build(small, runs=run(small, CUT_IN, ranges={"ego.v": (low, high)}))
     assert [f.subject for f in matrix.findings if f.code == "T254"] == ["ODD-1"] * (not reached)
+
+
+@pytest.mark.parametrize("stages", [True, False])
+def test_a_domain_of_which_there_is_no_scenario_is_claimed_in_vain(stages: bool, tmp_path: Path) -> None:
+    """As long as nothing was to be replayed at all, nothing was said of it; where settings cannot be read, that is what is wrong."""
+    small = Small.copy(tmp_path)
+    domain = "{id: ODD-1, title: the road, description: Dry., ranges: [{quantity: ego.v, from: 0 m/s, to: 108 km/h}]}"
+    (small.root / "requirements" / "hazards.yaml").write_text(
+        f"document: hazards\ntitle: Conditions\ndomains: [{domain}]\n", "utf-8"
+    )
+    model = small.root / "requirements" / "v-model.yaml"
+    text = re.sub(r"  scenarios:\n(?:    .*\n)+", "", model.read_text("utf-8"))
+    model.write_text(text if stages else "document: v-model\nproject: [\n", "utf-8")
+    matrix = build(small, runs=[])
+    assert [f.message.partition(", ")[2] for f in matrix.findings if f.code == "T254"] == [
+        "and no recording has it"
+    ] * stages
 
 
 def test_a_violation_that_the_ground_truth_leaves_free_is_no_evidence() -> None:

@@ -25,6 +25,8 @@ def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
     """T254 for every range of a domain that no recording reaches both ends of; T124 and T127 for what is no range; T130 for a second one of a quantity, of which the baseline and the safety case hold one."""
     declared = {str(scenario.path) for scenario in project.scenarios}
     runs = [run for path, run in sorted(spec.runs.items()) if path in declared]
+    # What was not run is told as that; where nothing is to be run, or no settings could be read, nobody else tells it, or that is what is wrong.
+    known = bool(runs) or bool(project.stages and not declared)
     for entry in project.entries:
         first: dict[str, Placed] = {}
         for quantity, low, high in entry.ranges:
@@ -42,7 +44,7 @@ def check(graph: Graph, project: Project, spec: Spec) -> Iterator[Finding]:
                 said = f"the range of `{quantity}` {message}"
                 yield error(code, said, quantity.place, help_, str(entry.id))
                 continue
-            message = _short(runs, quantity, low, high) if runs else ""
+            message = _short(runs, quantity, low, high) if known else ""
             if message:
                 node = graph.nodes[entry.kind, str(entry.id)]
                 help_ = "record or generate a scenario there, or claim less"
