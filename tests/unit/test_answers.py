@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
@@ -12,7 +13,9 @@ import pytest
 
 from support.project import run_command
 from support.start import new_project
-from trackmarshal.cli import sources
+from trackmarshal.cli import evidence, sources
+from trackmarshal.cli.assessment import assess
+from trackmarshal.records import RunSummary
 from trackmarshal.store import FILE
 
 
@@ -69,6 +72,21 @@ def test_an_unchanged_project_answers_from_the_store(project: Path, made: list[s
     assert gate() == first
     assert made == []
     assert (project / "out/results" / FILE).read_bytes() == held
+
+
+def test_a_kept_run_is_that_of_its_own_scenario(project: Path) -> None:
+    """The file is written elsewhere, and checked in: of a scenario that is replayed here, what stands in it is not asked."""
+    assert gate()[0] == 0
+    (run,) = (entry["result"] for entry in entries(project) if entry["kind"] == "run")
+    assert isinstance(run, dict)
+    later = RunSummary.from_json({**run, "created": "2999-01-01T00:00:00+00:00", "fired": not run["fired"]})
+    evidence.keep(project / "docs/drive.json", "runs", [later, replace(later, scenario="docs/drive.yaml")])
+    model = project / "requirements/v-model.yaml"
+    drive = "{path: docs/drive.yaml, title: A drive, stage: S-4-A, expect: no_fire, origin: field, kept: docs/drive.json}"
+    text = model.read_text("utf-8").replace("  scenarios:\n", f"  scenarios:\n    - {drive}\n")
+    model.write_text(text, "utf-8")
+    found = {one.scenario: one.fired for one in assess(project, run=False).runs}
+    assert found == {run["scenario"]: run["fired"], "docs/drive.yaml": not run["fired"]}
 
 
 def test_another_track_is_another_run(project: Path, made: list[str]) -> None:

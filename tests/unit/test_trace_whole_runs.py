@@ -11,6 +11,7 @@ import pytest
 
 from golden.trace.cases import TODAY, Small
 from trackmarshal import trace
+from trackmarshal.records import TruthFacts
 
 FIELD = "scenarios/field.jsonl"
 CUT_IN = "scenarios/cut_in.jsonl"
@@ -94,6 +95,39 @@ def test_what_is_unsafe_where_no_ground_truth_speaks_of_it_is_not_inside(tmp_pat
     assert found == [
         f"the run of `{CUT_IN}` is unsafe at 3.5 s, of which no ground truth says what to expect"
     ]
+
+
+def against(small: Small, *names: str) -> dict[str, Any]:
+    """What is different of the run in the field where these rules are violated."""
+    (run,) = (one for one in small.parts()[3] if one.scenario == FIELD)
+    loud = {"driving": {"satisfied": 90, "violated": 10}}
+    rules = tuple(replace(one, counts=loud) if one.rule in names else one for one in run.rules)
+    return {"rules": rules, "fired": bool(names)}
+
+
+@pytest.mark.parametrize(("by", "violated", "status"), [
+    ("gap", ["gap"], "covered"), ("gap, turn", ["gap"], "failed"), ("gap", ["turn"], "failed"), ("gap", [], "failed"),
+])  # fmt: skip
+def test_what_is_to_fire_fires_by_all_that_are_named(
+    by: str, violated: list[str], status: str, tmp_path: Path
+) -> None:
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace("requirements/v-model.yaml", "expect: no_fire", f"expect: fire, by: [{by}]")
+    assert cell(small, "S-4-B", **against(small, *violated))[0] == status
+
+
+@pytest.mark.parametrize("expect", ["no_fire", "fire, by: [gap]", "ground_truth"])
+def test_a_run_that_contradicts_its_ground_truth_shows_nothing_else(expect: str, tmp_path: Path) -> None:
+    small = named(tmp_path, "S-4-B", FIELD)
+    small.replace("requirements/v-model.yaml", "expect: no_fire", f"expect: {expect}")
+    came = against(small, *(["gap"] if "fire, " in expect else []))
+    wrong = TruthFacts(False, ("rated safe at 1 s, the ground truth is unsafe",))
+    assert cell(small, "S-4-B", ground_truth={"dynamic": TruthFacts(True)}, **came)[0] == "covered"
+    status, said = cell(small, "S-4-B", ground_truth={"dynamic": wrong}, **came)
+    assert (status, said) == (
+        "failed",
+        [f"{FIELD}: outside the dynamic ground truth: rated safe at 1 s, the ground truth is unsafe"],
+    )
 
 
 def test_without_a_ground_truth_nothing_is_shown(tmp_path: Path) -> None:
