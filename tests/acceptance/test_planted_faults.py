@@ -97,6 +97,8 @@ def test_a_harmless_edit_is_none(edit: Harmless, project: Path) -> None:
         "another project in the repository, which is gone",
         "the baseline with the ends of lines of Windows",
         "a report that may be missing, accepted when nobody was asked for a name",
+        "the baseline taken back over an acceptance, restored, and less accepted by name",
+        "a requirement struck with its entry, there again, and struck by name",
         "an acceptance merged",
         "less accepted twice, and more again, in one commit",
         "acceptances of two branches, and one more of both",

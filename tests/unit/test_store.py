@@ -98,6 +98,8 @@ def test_an_entry_of_another_shape_is_named_even_with_its_hash(tmp_path: Path) -
             {"kind": "test"},
             {**json.loads(entry().text()), "kind": "wish"},
             {**json.loads(entry().text()), "inputs": 3},
+            {**json.loads(entry().text()), "result": ["passed"]},
+            {**json.loads(entry().text()), "commit": 7},
         )
     ):
         rest.pop("id", None)
@@ -105,6 +107,21 @@ def test_an_entry_of_another_shape_is_named_even_with_its_hash(tmp_path: Path) -
         line = b'{"id": "' + sha256(said).hexdigest().encode() + b'", ' + said
         (tmp_path / FILE).write_bytes(line + b"\n")
         assert [one.why for one in Store(tmp_path).broken] == ["it is no entry of this version"], number
+
+
+def test_those_before_one_that_is_refused_count_again(tmp_path: Path) -> None:
+    """Each has its hash; what the last one says is none of this version's results."""
+    store = Store(tmp_path)
+    store.add([entry(rule="1"), entry(rule="2"), entry(rule="1", outcome="wished")])
+    wrong = store.find("test", "a: b", {"rule": "1"})
+    assert wrong is not None
+    store.refuse(wrong)
+    left = store.find("test", "a: b", {"rule": "1"}), store.latest("test", "a: b")
+    assert [one and (one.result, one.inputs) for one in left] == [
+        ({"outcome": "passed"}, {"rule": "1"}),
+        ({"outcome": "passed"}, {"rule": "2"}),
+    ]
+    assert [one.why for one in store.broken] == ["it is no entry of this version"]
 
 
 def test_the_hash_is_that_of_the_rest_of_the_line(tmp_path: Path) -> None:

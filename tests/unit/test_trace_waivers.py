@@ -105,6 +105,36 @@ def test_a_waiver_for_every_rule_or_assumption_is_a_blanket(
 
 
 @pytest.mark.parametrize(
+    ("codes", "subject", "left"),
+    [
+        ("T208", "A-MAP", ["T211", "T252"]),
+        ("T211", "A-MAP", ["T208", "T252"]),
+        ("T208, T211, T252", "A-MAP", []),
+        ("T208, T211, T252", "A-SEEN", ["T208", "T211", "T252"]),
+        ("T208, T211, T252", "a-map", ["T208", "T211", "T252"]),
+        ("T208, T211, T252", "A-M", ["T208", "T211", "T252"]),
+    ],
+)
+def test_a_waiver_answers_for_its_codes_and_subjects_alone(
+    codes: str, subject: str, left: list[str], tmp_path: Path
+) -> None:
+    """Of one thing, each gap is answered for by itself."""
+    made = Small.copy(tmp_path)
+    made.replace(
+        "requirements/v-model.yaml",
+        "waivers:\n",
+        f"waivers:\n  - {{id: W-2, codes: [{codes}], subjects: [{subject}], justification: None., residual_risk: None., owner: the maintainers, "
+        "approver: the safety manager, granted: 2026-01-01, expires: 2026-12-31}\n",
+    )
+    items, tests, results, runs = made.parts()
+    (seen,) = (item for item in items if item.kind == "assume")
+    another = replace(seen, name="A-MAP", line=seen.line + 50, owner="", evidence="docs/none.md")
+    found = trace.gate(trace.build(made.root, [*items, another], tests, results, runs, TODAY))
+    gaps = {"T208", "T211", "T252"}
+    assert sorted(one.code for one in found if one.subject == "A-MAP" and one.code in gaps) == left
+
+
+@pytest.mark.parametrize(
     ("excuses", "needless"),
     [
         ("stages: [S-3-B], requirements: [S-1-B-1]", []),
