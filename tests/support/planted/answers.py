@@ -353,6 +353,7 @@ FAULTS = [
     Fault("the baseline taken back over an acceptance, and one more commit", all_of(_taken_back, add("docs/planner.md", ""), git("commit", "--allow-empty", "-qm", "more")), "T380", rerun=True),
     Fault("a requirement struck by an acceptance that names nothing", all_of(_STRUCK, accepted(_by_nobody, rehash=True), committed("tidy")), "T380", rerun=True),
     Fault("a requirement struck by somebody, for no reason", all_of(agreed(_STRUCK), accepted(lambda held: held["acceptances"][-1].update(reason="..."), rehash=False), committed("tidy")), "T380", rerun=True),
+    Fault("an acceptance of less taken back, with all that it was about", all_of(agreed(_STRUCK), committed("less"), git("checkout", "HEAD~1", "--", BASELINE, R), committed("tidy")), "T380", rerun=True),
     Fault("the baseline taken back over an acceptance, and something else accepted on top of it", all_of(_taken_back, _ONE_MORE), "T380", rerun=True),
     Fault("a requirement struck with its entry, and something else accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE), "T380", rerun=True),
     Fault("a requirement struck with its entry, and two things accepted on top of it", all_of(_STRUCK_BY_HAND, _ONE_MORE, agreed(add("docs/planner.md", "\nmore\n")), committed("more")), "T380", rerun=True),
