@@ -82,6 +82,22 @@ def test_a_report_answers_a_method_however_its_path_is_written(path: str, tmp_pa
     assert held == {"tests.test_a: door"}
 
 
+@pytest.mark.parametrize("path", ["out/two", "out/o", "out/one/door", "two.xml"])
+def test_a_report_answers_no_method_by_tests_of_another_one(path: str, tmp_path: Path) -> None:
+    """Also where the one is called as the other begins."""
+    entry = (
+        f"junit: [{{path: out/one, stage: S-3-B}}, {{path: {path}, stage: S-3-B, methods: [measurement]}}]"
+    )
+    small = report(project(tmp_path, entry), PASSED.format("door", "S-1-B-1"), path="out/one/door.xml")
+    report(small, PASSED.format("lock", "RR-1"), path=path if path.endswith(".xml") else f"{path}/lock.xml")
+    small.replace(
+        "requirements/criteria.yaml", "verification: [review]", "verification: [review, measurement]"
+    )
+    assert [(f.subject, f.level) for f in small.matrix().findings if f.code == "T255"] == [
+        ("S-1-B-1:measurement", "error")
+    ]
+
+
 def test_what_runners_leave_beside_reports_is_passed_over(tmp_path: Path) -> None:
     """As Maven does with TestNG, and whoever measures coverage; a report that is named itself has to be one."""
     small = project(tmp_path, "junit: [{path: out, stage: S-3-B}]")

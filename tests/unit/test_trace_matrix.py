@@ -292,6 +292,19 @@ def test_of_two_runs_of_a_scenario_the_later_one_counts(turned: bool) -> None:
         assert status(build(small, runs=runs), "S-1-A-2", "S-4-A") == expected
 
 
+def test_evidence_that_a_link_leads_to_out_of_the_project_shows_nothing(tmp_path: Path) -> None:
+    """Whoever has the project has no such page; one that a link leads to within it is there."""
+    small = Small.copy(tmp_path)
+    page = small.root / "docs" / "architecture.md"
+    for to, expected in ((page.with_name("layout.md"), "covered"), (tmp_path / "layout.md", "missing")):
+        page.resolve().rename(to)
+        page.unlink(missing_ok=True)
+        page.symlink_to(to)
+        assert status(build(small), "S-1-B-1", "S-2-A") == expected
+    (found,) = (one for one in build(small).findings if one.code == "T250")
+    assert "is behind a link that leads out of the project" in found.message
+
+
 @pytest.mark.parametrize("first", ["covered", "partial"])
 def test_of_two_demands_of_a_cell_the_greater_one_counts(first: str, tmp_path: Path) -> None:
     """Perception is shown in part there, which all criteria need; of this one, all is demanded besides."""
