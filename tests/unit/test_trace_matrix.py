@@ -305,6 +305,16 @@ def test_evidence_that_a_link_leads_to_out_of_the_project_shows_nothing(tmp_path
     assert "is behind a link that leads out of the project" in found.message
 
 
+@pytest.mark.parametrize(("id_", "as_it_is", "wrong"), [("S-1-B-1", "approved", False), ("S-1-B-1", "obsolete", True), ("S-9-B-1", "approved", True)])  # fmt: skip
+def test_a_fault_is_to_violate_what_is_demanded(id_: str, as_it_is: str, wrong: bool, tmp_path: Path) -> None:
+    small = Small.copy(tmp_path)
+    criteria = small.root / "requirements" / "criteria.yaml"
+    before, at, after = criteria.read_text("utf-8").partition("id: S-1-B-1\n")
+    criteria.write_text(before + at + after.replace("status: approved", f"status: {as_it_is}", 1), "utf-8")
+    matrix = build(small, fault_cases=[FaultCase("f.yaml", "F-1", "a swerve", id_, 3, "f" * 64)])
+    assert [one.subject for one in matrix.findings if one.code == "T263"] == ["F-1"] * wrong
+
+
 @pytest.mark.parametrize("first", ["covered", "partial"])
 def test_of_two_demands_of_a_cell_the_greater_one_counts(first: str, tmp_path: Path) -> None:
     """Perception is shown in part there, which all criteria need; of this one, all is demanded besides."""
