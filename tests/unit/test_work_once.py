@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import gc
+import math
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -23,6 +25,7 @@ from trackmarshal.evaluation import loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
+from trackmarshal.runtime.door import lines
 from trackmarshal.runtime.door.columns import ColumnsReader
 from trackmarshal.runtime.door.values import numbers
 from trackmarshal.runtime.faults import Fault
@@ -122,6 +125,46 @@ def test_a_record_with_unknown_names_is_read_as_by_a_closer_look(raw: dict[Any, 
 
 def test_a_record_of_a_cycle_has_what_is_left_out_of_it_above() -> None:
     assert set(cycle(0).signals["ego"]) <= set(EGO)
+
+
+def test_a_border_of_floats_is_read_without_a_look_at_each_point(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(lines, "points_of")
+    raw = [[0.5, -0.0], (math.inf, 2.0), [math.nan, 1e300]]
+    found = lines.LineReader().read(raw).points
+    assert [repr(number) for number in found.ravel().tolist()] == [
+        "0.5",
+        "-0.0",
+        "inf",
+        "2.0",
+        "nan",
+        "1e+300",
+    ]
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        [],
+        [[]],
+        [[1.0, 2.0, 3.0]],
+        [[1.0, 2.0], [3.0]],
+        [[1.0], [2.0, 3.0, 4.0]],
+        [[1, 2.0]],
+        [[10**400, 2.0]],
+        [[1.0, None]],
+        [[1.0, True]],
+        [["1", 2.0]],
+        [1.0, 2.0],
+    ],
+)
+def test_any_other_border_is_read_point_by_point(raw: Any) -> None:
+    def told(read: Callable[[Any], Any]) -> object:
+        try:
+            return repr(read(raw).tolist())
+        except lines.NoLineError as error:
+            return error.name, error.index, error.message
+
+    assert told(lambda given: lines.LineReader().read(given).points) == told(lines.points_of)
 
 
 class Counted(Reference):

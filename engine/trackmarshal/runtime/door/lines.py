@@ -119,7 +119,11 @@ class LineReader:
 
 def _points(content: Any) -> Floats:
     if type(content) is bytes:
-        return points_of(marshal.loads(content))
+        raw = marshal.loads(content)
+        # Pairs of floats, mostly: there is nothing more to be read, or wrong, than their numbers.
+        if set(map(len, raw)) == {2} and set(map(type, chain.from_iterable(raw))) == {float}:
+            return np.array(raw)
+        return points_of(raw)
     return np.frombuffer(content[1], dtype=np.float64).reshape(-1, 2)
 
 
