@@ -21,6 +21,7 @@ from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.reference.evaluator import Env, Reference
+from trackmarshal.backends.reference.geometry import curvilinear
 from trackmarshal.evaluation import loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import Spec
@@ -165,6 +166,21 @@ def test_any_other_border_is_read_point_by_point(raw: Any) -> None:
             return error.name, error.index, error.message
 
     assert told(lambda given: lines.LineReader().read(given).points) == told(lines.points_of)
+
+
+def test_a_point_on_an_axis_is_looked_for_along_a_line_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    closely = curvilinear._project
+
+    def counted(x: float, y: float, line: curvilinear.Line) -> tuple[float, float, float]:
+        asked.append((repr(x), repr(y)))
+        return closely(x, y, line)
+
+    monkeypatch.setattr(curvilinear, "_project", counted)
+    line = curvilinear.Line([(-10.0, 0.0), (0.0, 0.0), (-5.0, 10.0)])
+    offsets = [curvilinear.project(5.0, y, line)[1] for y in (0.0, -0.0, 0.0, -0.0)]
+    assert offsets == [offsets[0], -offsets[0]] * 2
+    assert asked == [("5.0", "0.0"), ("5.0", "-0.0")]
 
 
 class Counted(Reference):

@@ -23,6 +23,8 @@ from trackmarshal.points import (
 )
 
 Points = Sequence[Sequence[float]]
+#: A point, and in words where one of its coordinates is zero.
+Place = tuple[float, float] | tuple[str, str]
 NOWHERE = (math.nan, math.nan, math.nan)
 #: Of so many points it is known at once where they are along a line.
 KNOWN = 10_000
@@ -35,7 +37,7 @@ class Line:
         self.points = points
         self.closed = closed
         #: Where points are along it that were asked about: station, offset and direction of one are three questions, and the next cycle has many again.
-        self.known: dict[tuple[float, float], tuple[float, float, float]] = {}
+        self.known: dict[Place, tuple[float, float, float]] = {}
 
     @cached_property
     def fault(self) -> str | None:
@@ -93,13 +95,12 @@ def project(x: float, y: float, points: Points | Line, closed: bool = False) -> 
     go on as rays, so the station runs on below 0 and above the length. On a closed line it is in [0, length).
     """
     line = _line(points, closed)
-    if not (x and y):  # zeros that are equal may differ by their signs
-        return _project(x, y, line)
-    found = line.known.get((x, y))
+    key: Place = (x, y) if x and y else (repr(x), repr(y))  # zeros that are equal may differ by their signs
+    found = line.known.get(key)
     if found is None:
         if len(line.known) == KNOWN:
             line.known.clear()
-        found = line.known[x, y] = _project(x, y, line)
+        found = line.known[key] = _project(x, y, line)
     return found
 
 
