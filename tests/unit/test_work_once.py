@@ -99,6 +99,14 @@ print(before == of_numpy, numbers(hidden).tolist())
     assert in_a_process_of_its_own(source) == "True [1.0, nan]"
 
 
+def test_specs_without_slips_wait_for_no_pattern_of_them() -> None:
+    source = (
+        f"import sys; from trackmarshal.evaluation import loads; loads({SPEC!r}); "
+        "print('trackmarshal.syntax.slips' in sys.modules)"
+    )
+    assert in_a_process_of_its_own(source) == "False"
+
+
 EGO: dict[Any, Any] = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}
 
 

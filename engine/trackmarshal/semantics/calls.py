@@ -74,6 +74,7 @@ _ON_LINE: dict[typed.LineFunction, Dimension] = {
 }
 #: Ways of a sample from the one before it.
 _SWEPT: tuple[Literal["swept_footprint", "swept_hull"], ...] = ("swept_footprint", "swept_hull")
+_NAME = re.compile(r"[^\W\d]\w*")
 
 
 def built_in_names() -> set[str]:
@@ -167,7 +168,7 @@ def _name_of_call(args: tuple[ast.Expr, ...], span: Span) -> Span:
     start = span.start
     if args and args[0].__dict__["span"].start == start:
         start = args[0].__dict__["span"].end
-    match = re.compile(r"[^\W\d]\w*").search(span.file.text, start, span.end)
+    match = _NAME.search(span.file.text, start, span.end)
     return span if match is None else Span(span.file, *match.span())
 
 

@@ -11,7 +11,6 @@ from trackmarshal.syntax.comments import comments_of
 from trackmarshal.syntax.errors import StrayText, UnexpectedText
 from trackmarshal.syntax.keywords import DECLARATIONS, RESERVED
 from trackmarshal.syntax.names import GREEK
-from trackmarshal.syntax.slips import FOREIGN_DECLARATIONS
 
 # Where a declaration starts: its keyword in column 1, or what looks like one with a misspelt keyword.
 _START = re.compile(
@@ -23,13 +22,12 @@ _START = re.compile(
 _MINUSES = re.compile(r"(?<=[\w)\]}%²³])--(?=[\w.(])")
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
 
-# The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style.
-_NOT_CODE = re.compile(
-    r'"(?:[^"\\\n]|\\.)*"|--[^\n]*|^(?:module|use)\b[^\n]*|\b[A-Z][A-Za-z0-9]*-[A-Za-z0-9-]+', re.MULTILINE
-)
+# The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style. Most files have letters alone,
+# so nobody waits for these patterns.
+_NOT_CODE = r'(?m)"(?:[^"\\\n]|\\.)*"|--[^\n]*|^(?:module|use)\b[^\n]*|\b[A-Z][A-Za-z0-9]*-[A-Za-z0-9-]+'
 _LETTER = f"[A-Za-z0-9{''.join(GREEK)}]"
-_SIGN = re.compile(rf"[≤≥≠·²³√∀∃∈∧∨¬→↔]|(?<!{_LETTER})[{''.join(GREEK)}](?!{_LETTER})")
-_WORD = re.compile(
+_SIGN = rf"[≤≥≠·²³√∀∃∈∧∨¬→↔]|(?<!{_LETTER})[{''.join(GREEK)}](?!{_LETTER})"
+_WORD = (
     r"<=|>=|!=|\^[23](?![\w.]|[ \t]+[A-Za-z1%])|\b(?:and|or|not|implies|iff|exists)\b|\bfor[ \t]+all\b|\bin\b"
 )
 
@@ -97,6 +95,9 @@ def _two_minuses(file: SourceFile) -> list[Diagnostic]:
 
 
 def _stray(file: SourceFile, start: int) -> StrayText:
+    # With dozens of patterns, for which nobody else waits.
+    from trackmarshal.syntax.slips import FOREIGN_DECLARATIONS
+
     match = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|[^\s\w]+|\S").match(file.text, start)
     word = match.group() if match else file.text[start]
     span = Span(file, start, start + len(word))
@@ -117,6 +118,6 @@ def is_unicode(text: str) -> bool:
     """Whether mathematical signs come first in the file; the formatter keeps one style throughout."""
     if text.isascii():
         return False
-    code = _NOT_CODE.sub("", text)
-    sign, word = _SIGN.search(code), _WORD.search(code)
+    code = re.sub(_NOT_CODE, "", text)
+    sign, word = re.search(_SIGN, code), re.search(_WORD, code)
     return sign is not None and (word is None or sign.start() < word.start())

@@ -44,13 +44,9 @@ class Text:
     pattern: str = ""
     said: str = "a text"
     verbatim: bool = False
-    compiled: re.Pattern[str] = field(init=False, repr=False, compare=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "compiled", re.compile(self.pattern or r"(?s:.*)"))
 
     def fits(self, text: str) -> bool:
-        return self.compiled.fullmatch(text) is not None
+        return not self.pattern or re.fullmatch(self.pattern, text) is not None
 
 
 @dataclass(frozen=True, slots=True)
