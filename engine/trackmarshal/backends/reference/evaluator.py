@@ -115,20 +115,29 @@ class Reference:
             case ir.Arith():
                 operation = arithmetic.OPERATIONS[node.op]
                 return operation(self.number(node.left, env), self.number(node.right, env))
-            case ir.Column():
-                return self._read(node, env)
-            case ir.Const():
-                return node.value
             case ir.Param():
                 return self.frame.settings.params.get(node.name, self.spec.params[node.name].value)
-            case ir.Sample():
-                return float(self.frame.columns[node.signal].listed(node.field)[node.index])
-            case ir.Scalar():
-                return self.frame.value(node.signal, node.field)
-            case ir.Neg():
-                return -self.number(node.operand, env)
             case ir.Func():
                 return arithmetic.apply(node.name, [self.number(arg, env) for arg in node.args])
+            case ir.Const():
+                return node.value
+            case ir.Scalar():
+                return self.frame.value(node.signal, node.field)
+            case ir.Station():
+                return self._projected(node, env)[0]
+            case ir.Offset():
+                return self._projected(node, env)[1]
+            case ir.Direction():
+                return self._projected(node, env)[2]
+            case ir.StationGap():
+                ends = self.number(node.start, env), self.number(node.end, env)
+                return geometry.station_gap(self.line(node.line), *ends)
+            case ir.Column():
+                return self._read(node, env)
+            case ir.Sample():
+                return float(self.frame.columns[node.signal].listed(node.field)[node.index])
+            case ir.Neg():
+                return -self.number(node.operand, env)
             case ir.Choose():
                 verdict = self.truth(node.condition, env).verdict
                 if verdict == "undefined":
@@ -144,20 +153,11 @@ class Reference:
                 columns = (grid.across.knots, grid.across.way)
                 x, y = self.number(node.first, env), self.number(node.second, env)
                 return read_grid((grid.knots, grid.way), columns, grid.values, x, y)
-            case ir.Station():
-                return self._projected(node, env)[0]
-            case ir.Offset():
-                return self._projected(node, env)[1]
-            case ir.Direction():
-                return self._projected(node, env)[2]
             case ir.Distance():
                 x, y = self.number(node.x, env), self.number(node.y, env)
                 if node.line.kind == "path":
                     return geometry.distance_to_path(x, y, self.line(node.line))
                 return geometry.distance_to_line(x, y, self.line(node.line))
-            case ir.StationGap():
-                ends = self.number(node.start, env), self.number(node.end, env)
-                return geometry.station_gap(self.line(node.line), *ends)
             case ir.StretchRoom():
                 ends = self.number(node.start, env), self.number(node.end, env)
                 return geometry.stretch_room(self.line(node.line), self.number(node.station, env), *ends)
@@ -261,25 +261,25 @@ class Reference:
         return value
 
     def _truth(self, node: ir.Formula, env: Env) -> Truth:
-        match node:
-            case ir.Truth():
-                return TRUE if node.value else FALSE
-            case ir.Flag():
-                return self._flag(node, env)
+        match node:  # what there is most of comes first
             case ir.Compare():
                 a, b = self.number(node.left, env), self.number(node.right, env)
                 if not (math.isfinite(a) and math.isfinite(b)):
                     return UNDEFINED
                 return known(arithmetic.compare(node.op, a, b), arithmetic.margin(node.op, a, b))
+            case ir.Connective():
+                return connect(node.op, self.truth(node.left, env), self.truth(node.right, env))
+            case ir.Not():
+                return negate(self.truth(node.operand, env))
+            case ir.Truth():
+                return TRUE if node.value else FALSE
+            case ir.Flag():
+                return self._flag(node, env)
             case ir.SweptInside() | ir.SweptClear() | ir.InArea():
                 margin = self._geometry(node, env)
                 return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
             case ir.Scaled():
                 return scaled(self.truth(node.operand, env), node.scale)
-            case ir.Not():
-                return negate(self.truth(node.operand, env))
-            case ir.Connective():
-                return connect(node.op, self.truth(node.left, env), self.truth(node.right, env))
             case ir.Quantify():
                 return self._quantify(node, env)
             case ir.Guarded():
