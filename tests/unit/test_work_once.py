@@ -33,6 +33,7 @@ from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
 from trackmarshal.runtime.verdict import Truth
+from trackmarshal.trace import sections
 
 SPEC = """module made
 signal plan : trajectory { t: s increasing, x: m }
@@ -105,6 +106,21 @@ def test_specs_without_slips_wait_for_no_pattern_of_them() -> None:
         "print('trackmarshal.syntax.slips' in sys.modules)"
     )
     assert in_a_process_of_its_own(source) == "False"
+
+
+def test_a_long_document_is_known_to_say_something_by_its_beginning(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked = []
+    legible = sections._legible
+
+    def counted(character: str) -> bool:
+        looked.append(character)
+        return legible(character)
+
+    monkeypatch.setattr(sections, "_legible", counted)
+    assert not sections.silent(b"Nobody reads all of this.\n" * 10_000, markdown=True)
+    assert len(looked) < 1000
+    assert sections.silent(b"- " * 10_000 + b"T O D O" + b" -" * 10_000)
+    assert not sections.silent(b"- " * 10_000 + b"T O D O s" + b" -" * 10_000)
 
 
 EGO: dict[Any, Any] = {"x": 1.0, "y": 2.0, "heading": 0.5, "v": 3.0, "age": 0.0}

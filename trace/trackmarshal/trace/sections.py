@@ -6,11 +6,12 @@ import hashlib
 import re
 import unicodedata
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 from trackmarshal.files import POINTERS
 from trackmarshal.trace.model import Entry, Project
-from trackmarshal.trace.shapes import put_off
+from trackmarshal.trace.shapes import MORE, put_off
 from trackmarshal.trace.values import Placed
 
 _HEADING = re.compile(r"[ ]{0,3}(#{1,6})(?:[ \t]+(.*?))?[ \t#]*")
@@ -43,7 +44,8 @@ def silent(document: bytes, markdown: bool = False) -> bool:
         return False
     if text is None:
         return False
-    said = "".join(filter(_legible, _below(text) if markdown else text))
+    legible = filter(_legible, _below(text) if markdown else text)
+    said = "".join(islice(legible, MORE))  # of a long document, what follows changes nothing
     return not said or put_off(said)
 
 

@@ -22,6 +22,8 @@ ASIL = r"(QM|[ABCD])(\((QM|[ABCD])\))?"
 
 #: All that somebody wrote whose writing was put off.
 _PUT_OFF = frozenset({"todo", "tbd", "tba", "tbc", "fixme"})
+#: A text of so many characters says more than that.
+MORE = 100
 
 
 def says_nothing(text: str) -> bool:
@@ -31,7 +33,7 @@ def says_nothing(text: str) -> bool:
 
 def put_off(text: str) -> bool:
     """Whether a text says no more than that it is still to be written, whatever marks stand around that."""
-    return len(text) < 100 and "".join(filter(str.isalnum, text)).lower() in _PUT_OFF
+    return len(text) < MORE and "".join(filter(str.isalnum, text)).lower() in _PUT_OFF
 
 
 @dataclass(frozen=True, slots=True)
