@@ -24,6 +24,7 @@ from trackmarshal.backends.reference.evaluator import Env, Reference
 from trackmarshal.backends.reference.geometry import curvilinear
 from trackmarshal.evaluation import loads
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir import straight
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.door import lines
@@ -233,6 +234,30 @@ def test_a_formula_is_worked_out_once_for_what_its_own_variables_stand_for(often
     compared = sorted(times for node, times in values.made.items() if isinstance(node, ir.Compare))
     # Whether an element is in range depends on no sample: of 3 x 4 pairs, 4 are asked about; 3 elements are in range of 3 samples.
     assert compared == [4, 9]
+
+
+def test_formulas_that_follow_no_curve_are_not_gone_through_for_data_without_curvatures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked = []
+    closely = straight._straight
+
+    def counted(root: ir.Formula, absent: straight.Fields) -> ir.Formula:
+        asked.append(root)
+        return closely(root, absent)
+
+    monkeypatch.setattr(straight, "_straight", counted)
+    rules = shipped().rules
+    absent = straight.curvatures(rules)
+    made = [straight.straightened(rule, absent) for rule in rules]
+    changed = {
+        part
+        for rule, one in zip(rules, made)
+        for part, other in ((rule.formula, one.formula), (rule.active, one.active))
+        if part is not other
+    }
+    assert set(asked) == changed
+    assert 0 < len(changed) < len(rules)
 
 
 def test_no_grid_is_made_of_what_nobody_looks_for_in_one() -> None:

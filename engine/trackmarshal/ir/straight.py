@@ -35,7 +35,8 @@ def _bends(formula: ir.Formula) -> Fields:
 def straightened(rule: RuleInfo, absent: Fields) -> RuleInfo:
     """A rule that sweeps straight wherever a curvature is one of `absent`; the same rule where it does so nowhere."""
     formula, active = (
-        None if part is None else _straight(part, absent) for part in (rule.formula, rule.active)
+        part if part is None or _bends(part).isdisjoint(absent) else _straight(part, absent)
+        for part in (rule.formula, rule.active)
     )
     if formula is rule.formula and active is rule.active:
         return rule
