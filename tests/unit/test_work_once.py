@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Callable
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -22,7 +23,7 @@ from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.reference.evaluator import Env, Reference
 from trackmarshal.backends.reference.geometry import curvilinear
-from trackmarshal.evaluation import loads
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir import straight
 from trackmarshal.ir.spec import Spec
@@ -34,6 +35,9 @@ from trackmarshal.runtime.faults import Fault
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.geometry.corridor import Corridor, Polygon
 from trackmarshal.runtime.verdict import Truth
+from trackmarshal.semantics.compile import compile_paths
+from trackmarshal.testing.cases import prepare
+from trackmarshal.testing.run import run_tests
 from trackmarshal.trace import sections
 
 SPEC = """module made
@@ -107,6 +111,31 @@ def test_specs_without_slips_wait_for_no_pattern_of_them() -> None:
         "print('trackmarshal.syntax.slips' in sys.modules)"
     )
     assert in_a_process_of_its_own(source) == "False"
+
+
+def test_the_cycles_of_a_test_are_read_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By both evaluators, and with the limit moved either way."""
+    path = tmp_path / "made.spec"
+    path.write_text(
+        "module made\nsignal ego : state { v: m/s }\n"
+        'rule calm "calm"\n  require historically[0 s, 1 s] ego.v <= 10 m/s\n'
+        'test calm "just as fast"\n  given ego = { v: 10 m/s }\n  after 0.5 s\n  given ego = { v: 5 m/s }\n'
+        "  expect satisfied, margin 0 m/s\n"
+    )
+    made = compile_paths([path])
+    tests, found = prepare(made)
+    assert found == []
+    asked = list[Any]()
+    read = Evaluator.read
+
+    def counted(self: Evaluator, raw: Any) -> Frame:
+        asked.append(raw)
+        return read(self, raw)
+
+    monkeypatch.setattr(Evaluator, "read", counted)
+    (outcome,) = run_tests(made.spec, tests)
+    assert (outcome.outcome, outcome.message, outcome.unmoved) == ("passed", "", "")
+    assert [raw["signals"]["ego"]["v"] for raw in asked] == [10.0, 5.0]
 
 
 def test_a_long_document_is_known_to_say_something_by_its_beginning(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -97,8 +97,8 @@ def run_tests(
             yield Outcome(test, outcome, message, unmoved)
 
 
-#: Cases as they were read, by the identity of their tests: what a rule reads is the same for all evaluators, and wherever its limits are.
-Frames = dict[int, Frame]
+#: The cycles of cases as they were read, by the identity of their tests: what a rule reads is the same for all evaluators, and wherever its limits are.
+Frames = dict[int, tuple[Frame, ...]]
 
 
 def _problems(evaluator: Evaluator, tests: Sequence[PreparedTest], frames: Frames) -> list[tuple[str, str]]:
@@ -164,13 +164,14 @@ class _Said(NamedTuple):
 
 def _said(evaluator: Evaluator, tests: Sequence[PreparedTest], frames: Frames) -> list[_Said]:
     """What one rule says in the cases of its tests; of a rule over the run, in the last of each one's cycles."""
-    if tests and remembers(tests[0].rule):
-        results = [_over_run(evaluator, test) for test in tests]
-        return [_Said(result.verdict, result.margin, partial(_itself, result)) for result in results]
     unread = [test for test in tests if id(test) not in frames]
+    if tests and remembers(tests[0].rule):
+        frames |= {id(test): _cycles(evaluator, test) for test in unread}
+        results = [_over_run(evaluator, test, frames[id(test)]) for test in tests]
+        return [_Said(result.verdict, result.margin, partial(_itself, result)) for result in results]
     if unread:  # else what reads them need not be made
-        frames |= zip(map(id, unread), evaluator.read_all([test.case for test in unread]))
-    judged = evaluator.judge_all([frames[id(test)] for test in tests])
+        frames |= zip(map(id, unread), zip(evaluator.read_all([test.case for test in unread])))
+    judged = evaluator.judge_all([frame for test in tests for frame in frames[id(test)]])
     rated = [one for each in judged for one in each.rated.values()]
     return [
         _Said(VERDICTS[one.verdicts[0]], float(one.margins[0]), partial(one.explain, 0, False))
@@ -182,10 +183,14 @@ def _itself(result: RuleResult) -> RuleResult:
     return result
 
 
-def _over_run(evaluator: Evaluator, test: PreparedTest) -> RuleResult:
+def _cycles(evaluator: Evaluator, test: PreparedTest) -> tuple[Frame, ...]:
+    return tuple(_read(evaluator, test, *cycle) for cycle in ((0.0, test.case["signals"]), *test.later))
+
+
+def _over_run(evaluator: Evaluator, test: PreparedTest, cycles: Sequence[Frame]) -> RuleResult:
     run = evaluator.over_run()
     gaps = []
-    *before, last = (_read(evaluator, test, *cycle) for cycle in ((0.0, test.case["signals"]), *test.later))
+    *before, last = cycles
     for frame in before:
         run.remember(frame)
     result = run.step(last)
