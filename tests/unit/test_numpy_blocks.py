@@ -147,6 +147,26 @@ rule any "of all"
     ]  # the others' points are only known in the block
 
 
+@pytest.mark.parametrize(
+    "before", ["", 'rule before "of others"\n  require plan.last.x * 2 + plan.last.y * 2 <= 9 m\n']
+)
+@pytest.mark.parametrize("driven", [0.0, 9.0])
+def test_points_that_a_block_asks_for_first_stand_before_it(before: str, driven: float) -> None:
+    """A number of a point is asked for under a guard, then another one of it and those of other points whatever holds."""
+    spec = compiled(SIGNALS + before + """
+rule fast "of those that are fast"
+  for all p in plan where p.v > 5 m/s
+  require station(p, track) + sqrt(p.x / 1 m) * 1 m + p.y <= 2 m
+rule any "of all"
+  for all p in plan
+  for all o in objects
+  require offset(p, track) - offset(ego, track) - offset(o, track) * 2 <= 1.25 m
+""")  # fmt: skip
+    raw = case([3.0, 3.0], driven)
+    raw["signals"]["ego"] = {"x": 3.0, "y": -1.5}
+    assert calls(spec, [raw]) == 1
+
+
 SEVERAL = """
 rule slow "of those who hardly drive, and where the next sample is"
   for all o in objects where o.v < 1 m/s

@@ -371,11 +371,16 @@ class Code:
                 and of == tops
             ]
             together = list(dict.fromkeys([point, *plain]))
+            block, free = self._block, self._free
+            if block is not None and not tops:
+                # What stands before the block has no variable that the block has let go: its lines come later.
+                self._block, self._free = None, []
             points = []
             for x, y in together:
                 self._emit(x)
                 self._emit(y)
                 points.append(_tuple((self._numbers[x], self._numbers[y])))
+            self._block, self._free = block, free
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
             self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
             called = f"project(b, {self._hold(node.line)}, {', '.join(points)})"
