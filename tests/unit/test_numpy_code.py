@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -90,6 +91,57 @@ rule b "before"
   require abs(station(o, track) - station(ego, track)) >= 1 m
 """)
     assert count(text, "project") == 1
+
+
+ALONG = """
+rule a "each sample"
+  for all p in plan
+  require abs(offset(p, track)) <= 3 m
+rule b "from one to the next, where it is fast"
+  for all consecutive p, q in plan where p.v > 1 m/s and offset(p, track) < 2 m
+  require abs(offset(p, track) - offset(q, track)) + direction(q, track) * 1 m <= 1 m
+rule c "from the first one to the last"
+  require station(plan.last, track) - station(plan.first, track) >= 4 m
+rule d "each object"
+  for all o in objects
+  require abs(offset(o, track)) <= 9 m
+rule e "each with each, where somebody is ahead"
+  for all o in objects where o.x > ego.x
+  require (for all other in objects: abs(offset(o, track) - offset(other, track)) + (o.x - other.x) * 0.1 + o.y * 0.1 + other.y * 0.1 <= 2 m)
+"""
+
+
+def test_samples_and_elements_are_projected_once_however_they_are_bound() -> None:
+    (line,) = [line for line in source(ALONG).splitlines() if "project(" in line]
+    assert len(re.findall(r"\(t\d+, t\d+, \)", line)) == 2  # of the plan, and of objects
+
+
+def test_projections_of_samples_are_those_of_the_reference() -> None:
+    spec = compiled(SPEC + ALONG)
+    track = {
+        "left": [[k, 4.0 + k * k / 9.0] for k in range(12)],
+        "right": [[k, -3.0 + k * k / 9.0] for k in range(12)],
+    }
+    cases = []
+    for count, gone in ((3, None), (5, 2), (2, None), (5, None)):
+        x = [math.nan if k == gone else 0.7 + 1.9 * k for k in range(count)]
+        plan = {
+            "t": [*map(float, range(count))],
+            "x": x,
+            "y": [0.3 * k * k for k in range(count)],
+            "v": [0.8 * k for k in range(count)],
+        }
+        objects = [{"x": 2.0 * k, "y": 1.0 - k} for k in range(count - 2)]
+        ego = {"x": 1.0, "y": 0.5, "v": 3.0}
+        cases.append({"signals": {"plan": plan, "objects": objects, "ego": ego, "track": track}})
+    ready = read(spec, cases)
+    found, expected = results(spec, ready, "numpy"), results(spec, ready, "reference")
+    assert [differences(one, other) for one, other in zip(found, expected)] == [[]] * len(cases)
+    assert {rule.verdict for one in expected for rule in one.rules.values()} >= {
+        "satisfied",
+        "violated",
+        "undefined",
+    }
 
 
 def test_only_whether_a_guard_holds_is_asked() -> None:

@@ -93,8 +93,6 @@ class Batch:
 
     def sample(self, signal: str, field: str, index: int) -> Any:
         """A field of one sample of every case's timeline."""
-        if index in (0, -1):  # the last one is repeated up to the end
-            return self.table(signal, field)[:, index].copy().reshape(self.by_case)
         return self.per_case([columns.column(field)[index] for columns in self.own(signal)])
 
     def scalar(self, signal: str, field: str) -> Any:

@@ -34,9 +34,21 @@ _CALLED: dict[str, Any] = {
 
 #: Numbers that are read from the input as they are.
 _INPUTS = (ir.Column, ir.Sample, ir.Scalar)
+#: Samples of which tables have one of every case at the same place.
+_ENDS = {0: slice(0, 1), -1: slice(-1, None)}
 #: An expression of the best case, or of the worst.
 Side = Callable[[bool], str]
 Point = tuple[ir.Num, ir.Num]
+#: What is read from a table of a signal.
+Part = ir.Column | ir.Sample
+
+
+class Table(NamedTuple):
+    """All points of a signal, by the fields that say where they are."""
+
+    signal: str
+    x: str
+    y: str
 
 
 class Variables(NamedTuple):
@@ -90,7 +102,7 @@ class Code:
         self._same = representatives(every)
         nodes = list(dict.fromkeys(self._same.values()))
         #: What nodes are computed of: asked for at each step below.
-        self._made_of = {node: [self._same[child] for child in ir.operands(node)] for node in nodes}
+        self._made_of = {node: self._operands(node) for node in nodes}
         #: Nodes that are only worked out where a guard holds anywhere, with the formula that has it; and what is written of its block.
         self._within, self._shared = blocks(nodes, [*formulas, *ranges], self._same)
         self._block: list[str] | None = None
@@ -117,18 +129,13 @@ class Code:
         self._free: list[str] = []
         self._made = 0  # variables of numbers
         self._is_fixed: set[ir.IR] = set()
+        #: Where what is projected onto each line comes from, with the blocks that ask for it; none where somebody else does.
+        self._points: dict[ir.Line, dict[Point | Table, frozenset[Guarding]]] = {}
+        self._source: dict[ir.IR, Point | Table] = {}
+        self._find_points([node for node in nodes if isinstance(node, ir.Projected)])
+        used = {child for node in nodes for child in self._inputs(node)}
+        nodes = [node for node in nodes if not isinstance(node, _INPUTS) or node in used]
         last_use = {child: place for place, node in enumerate(nodes) for child in self._inputs(node)}
-        #: Points that are projected onto each line, with the blocks that ask for them; none where somebody else does.
-        self._points: dict[ir.Line, dict[Point, frozenset[Guarding]]] = {}
-        for node in nodes:
-            if isinstance(node, ir.Projected):
-                points, point, tops = (
-                    self._points.setdefault(node.line, {}),
-                    self._point(node),
-                    self._tops(node),
-                )
-                before = points.get(point, tops)
-                points[point] = before | tops if before and tops else frozenset()
         for place, node in enumerate(nodes):
             self._emit(node)
             for child in self._inputs(node):
@@ -215,12 +222,39 @@ class Code:
         """What a node is computed of."""
         return self._made_of[node]
 
+    def _operands(self, node: ir.Num | ir.Formula) -> list[ir.Num | ir.Formula]:
+        """What a node stands above, of what is computed alike that which is."""
+        return [self._same[child] for child in ir.operands(node)]
+
     def _point(self, node: ir.Projected) -> Point:
         """The point that is projected."""
-        x, y = self._inputs(node)
+        x, y = self._operands(node)
         assert isinstance(x, ir.Num)
         assert isinstance(y, ir.Num)
         return x, y
+
+    def _find_points(self, projected: Sequence[ir.Projected]) -> None:
+        """Of samples and elements, however they are bound, all are projected at once; the first and the last sample are among them where
+        all are projected whatever holds."""
+        for node in sorted(projected, key=lambda node: isinstance(self._point(node)[0], ir.Sample)):
+            point, tops = self._point(node), self._tops(node)
+            points, table = self._points.setdefault(node.line, {}), self._table(*point)
+            source: Point | Table = point
+            if table is not None and (isinstance(point[0], ir.Column) or points.get(table) == frozenset()):
+                source, self._made_of[node] = table, []
+            self._source[node] = source
+            before = points.get(source, tops)
+            points[source] = before | tops if before and tops else frozenset()
+
+    def _table(self, x: ir.Num, y: ir.Num) -> Table | None:
+        """The table that a point is a part of; None for one that is not, or not of one alone."""
+        if isinstance(x, ir.Column) and isinstance(y, ir.Column):
+            fits = min(x.offset, y.offset) >= 0 and self._index(x) == self._index(y)
+            return Table(x.axis.signal, x.field, y.field) if fits and x.axis.signal == y.axis.signal else None
+        if isinstance(x, ir.Sample) and isinstance(y, ir.Sample):
+            fits = x.index == y.index and x.index in _ENDS
+            return Table(x.signal, x.field, y.field) if fits and x.signal == y.signal else None
+        return None
 
     def _line(self, node: ir.IR, text: str) -> None:
         (self.fixed if node in self._is_fixed else self._lines(self._block is not None)).append(text)
@@ -309,9 +343,9 @@ class Code:
             case ir.Param():
                 return f"b.param({node.name!r})"
             case ir.Column():
-                return self._column("table", node.axis, node.field, node.offset)
+                return self._column("table", node)
             case ir.Sample():
-                return f"b.sample({node.signal!r}, {node.field!r}, {node.index})"
+                return self._sample(node)
             case ir.Scalar():
                 return f"b.scalar({node.signal!r}, {node.field!r})"
             case ir.Arith():
@@ -327,11 +361,11 @@ class Code:
             case ir.GridLookup():
                 return f"b.grid({node.table!r})({at[0]}, {at[1]})"
             case ir.Station():
-                return f"{self._projected(node)}[0]"
+                return self._projected(node, 0)
             case ir.Offset():
-                return f"{self._projected(node)}[1]"
+                return self._projected(node, 1)
             case ir.Direction():
-                return f"{self._projected(node)}[2]"
+                return self._projected(node, 2)
             case ir.Distance():
                 return f"distance(b, {self._hold(node.line)}, {', '.join(at)})"
             case ir.StationGap():
@@ -357,44 +391,70 @@ class Code:
         same = f"None if {guard.best} is {guard.worst} else "
         return f"{guard.sat(False)}, {same}{guard.sat(True)}"
 
-    def _projected(self, node: ir.Projected) -> str:
-        """The variable of a point's projection onto a line. All points that are plain input are projected with the first one."""
-        point = self._point(node)
-        if ("p", node.line, point) not in self._names:
-            tops = self._points[node.line][point]
+    def _projected(self, node: ir.Projected, part: int) -> str:
+        """A number of a point's projection onto a line. All points that are plain input are projected together."""
+        source = self._source[node]
+        if ("p", node.line, source) not in self._names:
+            tops = self._points[node.line][source]
             plain = [
-                (x, y)
-                for (x, y), of in self._points[node.line].items()
-                if ("p", node.line, (x, y)) not in self._names
-                and isinstance(x, _INPUTS)
-                and isinstance(y, _INPUTS)
+                other
+                for other, of in self._points[node.line].items()
+                if ("p", node.line, other) not in self._names
+                and (isinstance(other, Table) or all(isinstance(number, _INPUTS) for number in other))
                 and of == tops
             ]
-            together = list(dict.fromkeys([point, *plain]))
-            block, free = self._block, self._free
-            if block is not None and not tops:
-                # What stands before the block has no variable that the block has let go: its lines come later.
-                self._block, self._free = None, []
-            points = []
-            for x, y in together:
-                self._emit(x)
-                self._emit(y)
-                points.append(_tuple((self._numbers[x], self._numbers[y])))
-            self._block, self._free = block, free
+            together = list(dict.fromkeys([source, *plain]))
+            points = [_tuple(self._variables(other, bool(tops))) for other in together]
             names = [f"p{len(self._names) + k}" for k in range(len(together))]
             self._names |= {("p", node.line, other): name for other, name in zip(together, names)}
             called = f"project(b, {self._hold(node.line)}, {', '.join(points)})"
             self._lines(bool(tops)).append(f"{_tuple(names)} = {called}")
-        return self._names["p", node.line, point]
+        found = f"{self._names['p', node.line, source]}[{part}]"
+        x, _ = self._point(node)
+        return self._part(found, x) if isinstance(source, Table) and isinstance(x, Part) else found
 
-    def _column(self, read: str, axis: ir.Axis, field: str, offset: int) -> str:
+    def _variables(self, source: Point | Table, within: bool) -> list[str]:
+        """The variables of points. within: they are of the block that is being written."""
+        if isinstance(source, Table):
+            return [self._read("table", source.signal, field) for field in (source.x, source.y)]
+        block, free = self._block, self._free
+        if not within:  # they stand before the block, where variables that it has let go are not free yet
+            self._block, self._free = None, [] if block is not None else free
+        for number in source:
+            self._emit(number)
+        self._block, self._free = block, free
+        return [self._numbers[number] for number in source]
+
+    def _read(self, read: str, signal: str, field: str) -> str:
+        """The variable of a table."""
+        return self._once("t", (signal, field), f"b.{read}({signal!r}, {field!r})")
+
+    def _column(self, read: str, node: ir.Column) -> str:
         """A field of the variable of an axis, `offset` samples on; before the start it is that of the first one."""
-        table = self._once("t", (axis.signal, field), f"b.{read}({axis.signal!r}, {field!r})")
-        if offset < 0:
-            table = self._once("s", (axis.signal, field, offset), f"before({table}, {-offset})")
-        index = column_index(axis, max(0, offset), self.rank)
+        table = self._read(read, node.axis.signal, node.field)
+        if node.offset < 0:
+            key = node.axis.signal, node.field, node.offset
+            table = self._once("s", key, f"before({table}, {-node.offset})")
+        return self._part(table, node)
+
+    def _sample(self, node: ir.Sample) -> str:
+        """A field of one sample; a table has the first one, and the last one, which is repeated up to the end."""
+        if node.index in _ENDS:
+            return self._part(self._read("table", node.signal, node.field), node)
+        return f"b.sample({node.signal!r}, {node.field!r}, {node.index})"
+
+    def _part(self, table: str, node: Part) -> str:
+        """What a table has of a column or a sample."""
+        index = self._index(node)
         part = f"{table}[{self._hold(index, ('index', repr(index)))}]"
-        return part if axis.width == 1 else f"{part}.copy()"  # of part of a table, which is in several pieces
+        whole = isinstance(node, ir.Sample) or node.axis.width == 1
+        return part if whole else f"{part}.copy()"  # of part of a table, which is in several pieces
+
+    def _index(self, node: Part) -> tuple[slice | None, ...]:
+        """Where a table has a column or a sample, shaped for broadcasting."""
+        if isinstance(node, ir.Column):
+            return column_index(node.axis, max(0, node.offset), self.rank)
+        return (slice(None), _ENDS[node.index], *(None,) * (self.rank - 2))
 
     # Formulas -------------------------------------------------------------------------------------------------
 
@@ -410,7 +470,7 @@ class Code:
             case ir.Flag():
                 codes = f"b.event({node.signal!r}, {node.field or ''!r}, {node.offset})"
                 if node.axis is not None and node.field is not None:
-                    codes = self._column("flags", node.axis, node.field, node.offset)
+                    codes = self._column("flags", ir.Column(node.axis, node.field, node.offset))
                 self._line(node, f"{both} = flagged({codes})")
                 return own._replace(says=BOTH)
             case ir.Compare():
