@@ -19,7 +19,7 @@ from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir import nodes as ir
 
 SPECS = Path(__file__).parents[2] / "specs" / "supervisor"
-RULES = ["static_collision", "obstacle_collision", "fallback_collision", "contact"]
+RULES = ["static_collision", "obstacle_collision", "fallback_collision", "fallback_oncoming", "contact"]
 RADIUS, BORDER, POINTS = 300.0, 60, 12
 
 

@@ -641,9 +641,12 @@ class Code:
                 continue
             axes, guards, partly = list[ir.Axis](), list[ir.Formula](), list[ir.Num | ir.Formula]()
             at: ir.Num | ir.Formula = node
+            least = True
             while uses[at] == 1:
                 user = users.get(at)
-                if (
+                if isinstance(user, ir.Connective):
+                    least = False  # of this, that of others may be the least
+                elif (
                     isinstance(user, ir.Quantify)
                     and user.extreme is Extreme.LEAST
                     and self._same[user.body] is at
@@ -651,13 +654,14 @@ class Code:
                     axes.append(user.axis)
                 elif not (isinstance(user, ir.Guarded) and self._same[user.body] is at):
                     break
-                if user.guard is not None:
+                if isinstance(user, (ir.Quantify, ir.Guarded)) and user.guard is not None:
                     guards.append(user.guard)
                 partly.append(at)
                 at = user
             if axes:
                 varying = {below for below in ir.below(node) if isinstance(below, ir.Axis)}
-                found[node] = Asked(tuple(axes), tuple(guards), tuple(partly), varying.issubset(axes))
+                by_case = least and varying.issubset(axes)
+                found[node] = Asked(tuple(axes), tuple(guards), tuple(partly), by_case)
         return found
 
     def _counted(self, asked: Asked) -> str:
