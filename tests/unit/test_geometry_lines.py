@@ -157,6 +157,14 @@ def test_gaps_between_stations_that_are_none(closed: bool) -> None:
     assert gap == pytest.approx([3.0] + [math.nan] * 5, nan_ok=True)
 
 
+@pytest.mark.parametrize("line", [SQUARE, [(1.0, 1.0)]])
+def test_gaps_of_arrays_that_broadcast(line: list[tuple[float, float]]) -> None:
+    start, end = np.array([[1.0], [35.0], [math.nan]]), np.array([2.0, 39.0])
+    made = Polyline(line, True)
+    alone = [[float(made.gap(one, other)[0]) for other in end] for one in start[:, 0]]
+    assert made.gap(start, end) == pytest.approx(np.array(alone), nan_ok=True)
+
+
 @both
 def test_centre_lines(geometry: Geometry) -> None:
     left, right = [(0.0, 4.0), (10.0, 4.0), (20.0, 4.0)], [(0.0, -2.0), (10.0, -2.0), (20.0, -2.0)]

@@ -32,10 +32,14 @@ def fold(batch: Batch, node: ir.Fold, body: Any, otherwise: Any, surely: Any, ma
                 pass
             case _:
                 assert_never(node.op)
-    shape = [batch.size] + [1] * (batch.rank - 1)
-    shape[place] = batch.count(node.axis)
-    there: Any = np.ones(shape, dtype=np.bool_) if mask is None else mask
-    inside = there if surely is None else there & (surely if maybe is None else maybe)
+    guard = surely if maybe is None else maybe
+    if mask is None and guard is not None and guard.ndim and guard.shape[place] == batch.count(node.axis):
+        inside = guard
+    else:
+        shape = [batch.size] + [1] * (batch.rank - 1)
+        shape[place] = batch.count(node.axis)
+        there: Any = np.ones(shape, dtype=np.bool_) if mask is None else mask
+        inside = there if guard is None else there & guard
     unknown = None if maybe is None else inside & ~surely
     match node.op:
         case "sum":

@@ -247,7 +247,12 @@ def distance(batch: Batch, line: ir.Line, x: Any, y: Any) -> Any:
 def gap(batch: Batch, line: ir.Line, start: Any, end: Any) -> Any:
     """How far stations of a line lie ahead of others."""
     shape = np.broadcast(start, end).shape
-    return _ask(batch, line, "gap", (start, end), shape)[0] if 0 not in shape else np.empty(shape)
+    if 0 in shape:
+        return np.empty(shape)
+    owners = _owners(batch, line)
+    if len(owners) == 1:  # number by number, of any shape
+        return owners[0].gap(start, end).reshape(shape)
+    return _ask(batch, line, "gap", (start, end), shape)[0]
 
 
 def stretch_room(batch: Batch, line: ir.Line, station: Any, start: Any, end: Any) -> Any:

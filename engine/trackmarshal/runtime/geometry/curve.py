@@ -102,7 +102,7 @@ class Curves:
         bulge = way * (turn + sway * (1.0 - EVEN / count)) + turning
         more = bulge / (8.0 * count * count) + (0.0625 * (off + slip) * way + 0.5 * corner * off)
         whole = way * (turn + sway * (1.0 - EVEN)) + turning
-        if not fits.all():
+        if 0 in fits.tobytes():
             odd = (~fits).nonzero()[0]
             more[odd] = self._at_random(odd, way, corner)
             count[odd] = 1
@@ -119,8 +119,10 @@ class Curves:
         """Of some ways how far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and
         points anywhere between both headings [m]."""
         (first, second), way = self.units.take(which, axis=2).swapaxes(0, 1), way.take(which)
-        corner = corner if np.ndim(corner) == 0 else np.asarray(corner).take(which)
-        apart, mean = second - first, second + first
+        apart = second - first
+        if not (np.count_nonzero(apart) or np.count_nonzero(way)):  # what stands reaches nowhere
+            return way
+        corner, mean = corner if np.ndim(corner) == 0 else np.asarray(corner).take(which), second + first
         turned = apart[0] * apart[0] + apart[1] * apart[1]
         swing = corner * (turned / (4.0 + 2.0 * np.sqrt(mean[0] * mean[0] + mean[1] * mean[1])))
         found: Floats = swing + (np.minimum(way, corner * np.sqrt(turned)) + 0.5 * way)

@@ -54,9 +54,12 @@ def distance_to_paths(
     if usable is None and real.size and 0 not in real.tobytes():
         nearest: Floats = np.minimum.reduce(distance, axis=2)
         return nearest
-    nearest = np.where(real, distance, np.inf).min(axis=2, initial=np.inf)
+    nearest = np.minimum.reduce(np.where(real, distance, np.inf), axis=2, initial=np.inf)
+    goes = np.logical_or.reduce(real, axis=2)
+    if usable is None and goes.size and 0 not in goes.tobytes():  # so it has two samples at least
+        return nearest
     begin = ends[..., :1].min(axis=2, initial=np.inf)
-    nearest = np.where(real.any(axis=2), nearest, np.sqrt(begin))
+    nearest = np.where(goes, nearest, np.sqrt(begin))
     known = there[:, None, 1:].any(axis=2)
     return np.where(known if usable is None else usable & known, nearest, np.nan)
 

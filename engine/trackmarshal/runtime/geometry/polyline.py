@@ -102,7 +102,8 @@ class Polyline:
         return np.stack(feet, axis=1)
 
     def gap(self, s_from: ArrayLike, s_to: ArrayLike) -> Floats:
-        """How far `s_to` lies ahead of `s_from` [m]: (N,); on a closed line the shorter way, in (-length/2, length/2]."""
+        """How far `s_to` lies ahead of `s_from` [m], of arrays that broadcast, (N,) of numbers; on a closed line the shorter way, in
+        (-length/2, length/2]."""
         start, end = vector(s_from), vector(s_to)
         fine = np.isfinite(start) & np.isfinite(end)
         if 0 in fine.tobytes():
@@ -110,7 +111,7 @@ class Polyline:
         gap = end - start
         if self.closed:
             gap -= self.length * np.ceil(gap / self.length - 0.5)
-        return gap if self.fault is None else np.full(gap.size, np.nan)
+        return gap if self.fault is None else np.full(gap.shape, np.nan)
 
     def stretch_room(self, station: ArrayLike, start: ArrayLike, end: ArrayLike) -> Floats:
         """How far inside the stretch from `start` ahead to `end` stations lie, along the line [m]: (N,); negative: outside.

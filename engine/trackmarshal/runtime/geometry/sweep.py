@@ -72,7 +72,10 @@ class Sweeps:
             turn_cos, turn_sin = _quarter_turns(frame, turn_cos, turn_sin)
             size = np.abs(turn_sin)
         # The one that is turned further to the left, by less than half a quarter, comes second.
-        self.frame = frame = np.where(turn_sin < 0.0, frame[:, :, ::-1], frame)
+        right = turn_sin < 0.0
+        if 1 in right.tobytes():
+            frame = np.where(right, frame[:, :, ::-1], frame)
+        self.frame = frame
         # Midway between the directions of both footprints, half the turn from either.
         self.midway = frame[3, :, 0] + frame[3, :, 1]
         reach = np.sqrt(np.add.reduce(self.midway * self.midway, axis=0))
