@@ -190,8 +190,8 @@ rule inside "on the track"
 
 @pytest.mark.parametrize("guard", ["whenever go", ""])
 @pytest.mark.parametrize("where", ["where abs(o.v) <= 1 m/s", ""])
-@pytest.mark.parametrize("either", ["", "p.x > 9 m or"])
-def test_what_is_clear_of_others_is_worked_out_where_it_is_asked(guard: str, where: str, either: str) -> None:
+@pytest.mark.parametrize("beside", ["{}", "p.x > 9 m or {}", "{} or p.x > 9 m", "p.x < 99 m and {}"])
+def test_what_is_clear_of_others_is_worked_out_where_it_is_asked(guard: str, where: str, beside: str) -> None:
     """Where no guard above it holds, vehicles are not held against each other; whoever asks gets the true margins."""
     spec = compiled(
         f"""
@@ -203,7 +203,7 @@ rule apart "of those that stand"
   {guard}
   for all o in objects {where}
   for all p in plan
-  require {either} swept_footprint(p, 4 m, 2 m) clear_of footprint(o)
+  require {beside.format("swept_footprint(p, 4 m, 2 m) clear_of footprint(o)")}
 """
     )
     raw = []
@@ -238,7 +238,8 @@ rule apart "of those that stand"
         assert isinstance(formula, (ir.Guarded, ir.Quantify))
         formula, above = formula.body, formula
     assert isinstance(above, ir.Quantify)
-    formula = formula.right if isinstance(formula, ir.Connective) else formula
+    if isinstance(formula, ir.Connective):
+        formula = formula.left if isinstance(formula.left, ir.SweptClear) else formula.right
     assert isinstance(formula, ir.SweptClear)
     run = NumpyProgram(spec, spec.rules).run(cases)
     left_out = 0
@@ -248,7 +249,8 @@ rule apart "of those that stand"
             sides = CaseView(run, index).sides(formula, above.axis, {0: o})
             assert repr(sides) == repr(alone.sides(formula, above.axis, {0: o}))
             left_out += run.of(formula).worst.margin[index, o, 0] != sides.worst[0]
-    assert (left_out > 0) == bool(guard or where or not either)
+    # What stands behind it in an `or` is not known yet.
+    assert (left_out > 0) == bool(guard or where or not beside.startswith("{} or"))
 
 
 @pytest.mark.parametrize("apart", [0.0, 1e-12, 1e-7, 2e-6, 0.5])

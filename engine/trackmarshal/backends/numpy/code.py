@@ -88,6 +88,8 @@ class Asked(NamedTuple):
     axes: tuple[ir.Axis, ...]
     guards: tuple[ir.Formula, ...]
     partly: tuple[ir.Num | ir.Formula, ...]
+    #: What it stands beside in an `or`: of both margins the greater one is asked for.
+    floors: tuple[ir.Formula, ...]
     #: Whether the least margin of a case is all that is asked.
     by_case: bool
 
@@ -641,11 +643,13 @@ class Code:
                 continue
             axes, guards, partly = list[ir.Axis](), list[ir.Formula](), list[ir.Num | ir.Formula]()
             at: ir.Num | ir.Formula = node
-            least = True
+            floors, least = list[ir.Formula](), True
             while uses[at] == 1:
                 user = users.get(at)
                 if isinstance(user, ir.Connective):
-                    least = False  # of this, that of others may be the least
+                    least = least and user.op in ("and", "or")  # these grow with each of their parts
+                    if user.op == "or":
+                        floors.append(user.right if self._same[user.left] is at else user.left)
                 elif (
                     isinstance(user, ir.Quantify)
                     and user.extreme is Extreme.LEAST
@@ -661,15 +665,18 @@ class Code:
             if axes:
                 varying = {below for below in ir.below(node) if isinstance(below, ir.Axis)}
                 by_case = least and varying.issubset(axes)
-                found[node] = Asked(tuple(axes), tuple(guards), tuple(partly), by_case)
+                found[node] = Asked(tuple(axes), tuple(guards), tuple(partly), tuple(floors), by_case)
         return found
 
     def _counted(self, asked: Asked) -> str:
-        """What must hold for margins to count, and whether only the least of a case does: where it is known what counts."""
+        """What must hold for margins to count, whether only the least of a case does, where it is known what counts, and below what none does."""
         guards = [self.formulas[self._same[guard]] for guard in asked.guards]
+        floors = [self.formulas.get(self._same[floor]) for floor in asked.floors]
         conditions = _tuple([*map(self._mask, asked.axes), *(guard.sat(True) for guard in guards)])
-        certain = [f"{guard.best} is {guard.worst}" for guard in guards]
-        return f"{conditions}, {asked.by_case and (' and '.join(certain) or True)}"
+        known = [floor for floor in floors if floor is not None]
+        by_case = asked.by_case and len(known) == len(floors)  # what stands behind it in an `or` comes later
+        certain = " and ".join(f"{one.best} is {one.worst}" for one in (*guards, *known)) or True
+        return f"{conditions}, {by_case and certain}, {_tuple(floor.worst for floor in known)}"
 
     def _guarded(self, node: ir.Guarded, number: int, guard: Variables, body: Variables) -> Variables:
         return self._sides(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from itertools import accumulate
 from typing import Any, assert_never
 
@@ -64,11 +64,13 @@ def swept_clear(*args: Any) -> tuple[Any, Any]:
     return _sides(touching.settled(margin, args, lambda at, row: touching.clear(row)))
 
 
-def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[Any, Any, bool]:
+def asked_clear(
+    conditions: Sequence[Any], by_case: bool, floors: Sequence[Any], *args: Any
+) -> tuple[Any, Any, bool]:
     """The same, of which only what may count is worked out, for a `for all` of it; the third value: whether anything was left out.
 
     conditions: arrays of what must hold for a margin to count; None says nothing. by_case: of the margins of a case that count, only the
-    least does.
+    least does, where each is raised to the greatest of `floors`, arrays, if it is below that.
     """
     asked = None
     for condition in conditions:
@@ -88,7 +90,11 @@ def asked_clear(conditions: Sequence[Any], by_case: bool, *args: Any) -> tuple[A
             asked, by_case = None, False
     # A margin that neither case nor element changes is one number, of no shape.
     by_case = by_case and shape != () and math.prod(shape) >= BOUNDED * shape[0]
-    margin = geometry.least_clear(args, asked, by_case)
+    floor = None
+    if by_case and floors:
+        floor = reduce(np.maximum, floors)
+        by_case = np.broadcast_shapes(floor.shape, shape) == shape
+    margin = geometry.least_clear(args, asked, by_case, floor)
     margin = touching.settled(margin, args, lambda at, row: touching.clear(row))
     return (*_sides(margin), by_case or asked is not None)
 

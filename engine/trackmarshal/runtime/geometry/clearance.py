@@ -47,11 +47,14 @@ def boxes_clear(
     return _clearance(body, box)
 
 
-def least_clear(args: Sequence[ArrayLike], asked: Bools | None, least: bool) -> Floats:
+def least_clear(
+    args: Sequence[ArrayLike], asked: Bools | None, least: bool, floor: Floats | None = None
+) -> Floats:
     """What `boxes_clear` gives of its arguments where it is asked for (None: everywhere), and infinity elsewhere.
 
     asked: of the shape that all arguments broadcast to. least: of each entry along the first axis only the least margin of what is asked
-    for counts, so greater ones may be infinite too; what has no margin is NaN all the same.
+    for counts, so greater ones may be infinite too; what has no margin is NaN all the same. floor: of a shape that broadcasts to it; margins
+    are raised to it before it is asked which is the least.
     """
     body, box = _table((*args[:8], *args[13:])), _table(tuple(args[8:13]))
     shape = np.broadcast_shapes(body.shape[1:], box.shape[1:])
@@ -59,7 +62,9 @@ def least_clear(args: Sequence[ArrayLike], asked: Bools | None, least: bool) -> 
     margin = np.full(i.size, np.inf)
     pairs = np.arange(i.size) if asked is None else asked.reshape(-1).nonzero()[0]
     if pairs.size and least:
-        pairs = _maybe_least(body, box, i.take(pairs), j.take(pairs), pairs, pairs // (i.size // shape[0]))
+        groups = pairs // (i.size // shape[0])
+        raised = None if floor is None else np.broadcast_to(floor, shape).reshape(-1).take(pairs)
+        pairs = _maybe_least(body, box, i.take(pairs), j.take(pairs), pairs, groups, raised)
     if pairs.size:
         first, i = _used(body.reshape(len(body), -1), i.take(pairs))
         second, j = _used(box.reshape(len(box), -1), j.take(pairs))
@@ -67,8 +72,11 @@ def least_clear(args: Sequence[ArrayLike], asked: Bools | None, least: bool) -> 
     return margin.reshape(shape)
 
 
-def _maybe_least(body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, groups: Ints) -> Ints:
-    """Those of some pairs that may have the least margin of their group (numbers, ascending), or none at all.
+def _maybe_least(
+    body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, groups: Ints, floor: Floats | None
+) -> Ints:
+    """Those of some pairs that may have the least margin of their group (numbers, ascending), or none at all; of margins that are raised to
+    a floor, those that may be the least.
 
     A vehicle is within a disc around the middle of its way, and beyond that by its `reach`; at the first pose it has a disc inside.
     """
@@ -92,6 +100,8 @@ def _maybe_least(body: Floats, box: Floats, i: Ints, j: Ints, pairs: Ints, group
         # What is none has no bounds; of what has none, nothing follows for others.
         none = _none(bodies).take(i) | _none(boxes).take(j)
         at_most[none], at_least[none] = np.inf, -np.inf
+        if floor is not None:
+            at_most, at_least = np.maximum(at_most, floor), np.maximum(at_least, floor)
         starts = starts_of(groups)
         counts = counts_of(starts, groups.size)
         most = np.minimum.reduceat(at_most, starts)
