@@ -118,6 +118,17 @@ def test_lanes_are_ways_through_the_map() -> None:
     assert [lane.lanelets for lane in Network(fork).lanes] == [(1, 2), (1, 3), (4,)]
 
 
+def test_before_lanes_part_a_vehicle_is_in_both() -> None:
+    """As docs/interstate.md warns of; where the exit begins beside the lane, it is in one."""
+    other = Vehicle(1, 20.0, 1.5, 0.0, 20.0, 0.0, 5.0, 2.0)
+    exit_ = Lanelet(3, [(50, 3), (90, -7)], [(50, 0), (90, -10)])
+    for successors, lanes in (((2, 3), 2), ((2,), 1)):
+        road = Network(
+            [strip(1, 0, 3, 0, 50, successors=successors), strip(2, 0, 3, 50, 90), exit_], "with an exit"
+        )
+        assert len(cycle(road, 0.0, 1, [other])["signals"]["occupied"]) == lanes
+
+
 def test_too_many_ways() -> None:
     """Ten forks in a row that join again are 1,024 lanes."""
     parts = []
