@@ -39,10 +39,9 @@ _DRIVING, _STORED = 1, 2
 
 
 def names(text: str) -> Iterator[tuple[str, str]]:
-    """Name and type of every function that is emptied."""
-    for match in _FUNCTION.finditer(text):
-        if match.group("name") not in _NUMBERS:
-            yield match.group("name"), match.group("type")
+    """Name and type of every function that is emptied; once where it stands in the source twice, for different targets."""
+    found = {match.group("name"): match.group("type") for match in _FUNCTION.finditer(text)}
+    yield from ((name, kind) for name, kind in found.items() if name not in _NUMBERS)
 
 
 def switched(text: str) -> str:

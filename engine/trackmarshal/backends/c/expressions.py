@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from typing import assert_never
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import RESERVED, comment, identifier, literal
 from trackmarshal.backends.c.sweeps import along_timeline
 from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import deciding
-from trackmarshal.ir.operators import ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
+from trackmarshal.ir.operators import COMPARISONS, ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
 from trackmarshal.ir.spec import Called, RuleInfo
 from trackmarshal.ir.tables import LINEAR_CLAMP
 from trackmarshal.source import Span
@@ -84,8 +84,11 @@ class Writer:
         known: bool,
         formulas: Sequence[ir.Formula],
         guards: Sequence[ir.Formula] = (),
+        several: bool = False,
     ) -> None:
+        """several: quantifiers of simple arithmetic are worked out for several samples at once."""
         self.plan = plan
+        self._takes_several = several
         self.rule = rules[0]
         self.known = known
         self.grouped = len(rules) > 1
@@ -687,6 +690,7 @@ class Writer:
             if count is not None:
                 found[node] = self.over("told", count)
         looping: list[tuple[int, ir.Quantify]] = []
+        several = self._several([node for node in nodes if node not in found])
         for place, node in enumerate(nodes):
             if node in found:
                 continue
@@ -696,11 +700,16 @@ class Writer:
             every = node.extreme is Extreme.LEAST
             wanted = names[place] if names else "all" if every else "some"
             name = at.take(wanted, f"{wanted}_{identifier(node.names[0])}")
-            self.add(at, c.Declare(self.type, name, self.over("true" if every else "false"), False))
+            if node in several:
+                empty = self.over("several_true" if every else "several_false", self.count(node.axis))
+                self.add(at, c.Declare("tm_several", name, empty, False))
+            else:
+                self.add(at, c.Declare(self.type, name, self.over("true" if every else "false"), False))
             found[node] = c.Name(name)
         sweeps = self._sweeps(looping[0][1], at) if len(looping) == 1 else None
         alike = [(place, node) for place, node in looping if sweeps is not None or self._alike(node)]
-        differing = [each for each in looping if each not in alike]
+        self._passes([each for each in looping if each[1] in several], at, found, owners)
+        differing = [each for each in looping if each not in alike and each[1] not in several]
         for once, some in ((False, differing), (True, alike)):
             if some:
                 axis, spoken = nodes[0].axis, some[0][1].names
@@ -720,6 +729,75 @@ class Writer:
                         inner = inner.parent
                 at.close(scope)
         return [found[node] for node in nodes]
+
+    def _several(self, nodes: Sequence[ir.Quantify]) -> frozenset[ir.Quantify]:
+        """Those quantifiers that are worked out for several samples at once. What asks something of the same samples stays together."""
+        if not self._takes_several:
+            return frozenset()
+        simple = [node for node in nodes if _simple(self.plan, node)]
+        apart = {node.guard for node in nodes if node.guard is not None and node not in simple}
+        return frozenset(node for node in simple if node.guard not in apart)
+
+    def _asks_range(self, node: ir.Quantify) -> bool:
+        """Whether a quantifier asks no more than whether there is anything in range."""
+        return node.extreme is Extreme.GREATEST and node not in self.margins and _is_true(node.body)
+
+    def _passes(
+        self,
+        some: Sequence[tuple[int, ir.Quantify]],
+        at: c.Scope,
+        found: dict[ir.Quantify, c.Expr],
+        owners: Sequence[RuleInfo],
+    ) -> None:
+        """Quantifiers that are worked out for several samples at once, in one loop."""
+        if not some:
+            return
+        loop, inner, n = self._loop_of_several(some[0][1].axis, at, some[0][1].names)
+        added = list[c.Statement]()
+        for place, node in some:
+            if owners:
+                self.of(owners[place])
+            kind = "for_all" if node.extreme is Extreme.LEAST else "exists"
+            given = [c.Address(found[node]), n]
+            where = ""
+            if node.guard is not None:
+                given.append(self.formula(node.guard, inner, "guard"))
+                where = "" if self._asks_range(node) else "_where"
+            if node.guard is None or where:
+                given.append(self.formula(node.body, inner))
+            self.add(inner, c.Evaluate(self.over(f"put{where}", *given)))
+            added.append(c.Evaluate(self.over(f"{kind}_put{where}", c.Address(found[node]))))
+            told = "all_put" if node.extreme is Extreme.LEAST else "some_put"
+            found[node] = self.over(told, c.Address(found[node]))
+        loop.close(inner)
+        for each in added:
+            loop.add(each)
+        at.close(loop)
+
+    def _loop_of_several(
+        self, axis: ir.Axis, at: c.Scope, names: tuple[str, ...]
+    ) -> tuple[c.Scope, c.Scope, c.Expr]:
+        """A scope for each pass over several values of an axis, in it one that goes through them, and the place among them."""
+        count = self.declare(at, "size_t", self.count(axis), "windows" if axis.width > 1 else "count")
+        number, first, place = c.Name("pass"), c.Name("first"), c.Name("n")
+        passes, several = self.over("passes", count), c.Name("TM_SEVERAL")
+
+        def outer(body: tuple[c.Statement, ...]) -> c.Statement:
+            begin = c.Declare("size_t", first.name, self.over("pass_first", number, count))
+            step = c.Unary("++", number)
+            return c.For(number.name, c.Binary("<", number, passes), step, (begin, *body), axis.signal)
+
+        def head(body: tuple[c.Statement, ...]) -> c.Statement:
+            own = c.Declare("size_t", index, c.Binary("+", first, place))
+            return c.For(place.name, c.Binary("<", place, several), c.Unary("++", place), (own, *body))
+
+        loop = at.open(outer)
+        number, first = c.Name(loop.take("pass")), c.Name(loop.take("first"))
+        inner = loop.open(head)
+        place, index = c.Name(inner.take("n")), inner.take(identifier(names[0]))
+        inner.binds[axis] = c.Name(index)
+        inner.binders[axis] = names
+        return loop, inner, place
 
     def _together(self, some: Sequence[tuple[int, ir.Quantify]]) -> list[list[tuple[int, ir.Quantify]]]:
         """Quantifiers in their order, those that ask something of the same elements beside the first of them."""
@@ -782,7 +860,7 @@ class Writer:
         body: c.Expr
         if sweeps is not None:
             body = self.over("apart_by", sweeps)
-        elif guard is not None and not every and node not in self.margins and _is_true(node.body):
+        elif guard is not None and self._asks_range(node):
             body, guard = guard, None  # there is one in range
         else:
             least = (
@@ -845,6 +923,60 @@ class Writer:
         return self.call("tm_timeline_inside", *self.shape(body.area), *columns, self.count(node.axis), *size)
 
 
+def takes_several(plan: Layout, rules: Sequence[RuleInfo]) -> bool:
+    """Whether rules have anything that may be worked out for several samples at once."""
+    return any(
+        isinstance(node, ir.Quantify) and _simple(plan, node)
+        for rule in rules
+        for root in roots(rule)
+        for node in ir.below(root)
+    )
+
+
+def _simple(plan: Layout, node: ir.Quantify) -> bool:
+    """Whether a quantifier over a timeline is of simple arithmetic, and of nothing that is called, or entered only sometimes: it is worked
+    out for several samples as it is for one."""
+    axis = node.axis
+    if axis.kind != "samples" or axis.signal in plan.courses:
+        return False
+    if node.guard is not None and _is_true(node.body):
+        asked = [node.guard] if node.extreme is Extreme.GREATEST else []
+    else:
+        asked = [node.body] if node.guard is None else [node.guard, node.body]
+    differs = any(axis in plan.facts.free(each) for each in asked)
+    return differs and told_by_margin(asked[-1]) and all(_straight(plan, each) for each in asked)
+
+
+def _straight(plan: Layout, node: Value) -> bool:
+    """Whether all of a value that differs from sample to sample is arithmetic in a line."""
+    match node:
+        case _ if not plan.facts.free(node):
+            return isinstance(node, ir.Num)
+        case ir.Column():
+            return node.offset >= 0
+        case ir.Func() if node.name not in _IN_LINE:
+            return False
+        case ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Compare() | ir.Connective() | ir.Not():
+            return all(_straight(plan, each) for each in plan.facts.operands(node))
+        case _:
+            return False
+
+
+def told_by_margin(formula: ir.Formula) -> bool:
+    """Whether a formula of which all is known holds exactly where its margin is not negative."""
+    match formula:
+        case ir.Compare():
+            return COMPARISONS[formula.op].holds_at_zero
+        case ir.Truth() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+            return True
+        case ir.Connective():
+            return formula.op in ("and", "or") and all(map(told_by_margin, (formula.left, formula.right)))
+        case ir.Quantify() | ir.Guarded():
+            return told_by_margin(formula.body)
+        case _:
+            return False  # of a margin that is divided by a scale, nothing may be left
+
+
 def _conjuncts(formula: ir.Formula) -> list[tuple[ir.Formula, ir.Formula]]:
     """What has to hold, part by part, each after the formula that says it and all that stands before it."""
     if isinstance(formula, ir.Connective) and formula.op == "and":
@@ -885,6 +1017,8 @@ _LONG_WAY = (
 )
 #: What is not computed where it is not needed.
 _WORTH = (ir.Arith, ir.Func, *_LONG_WAY)
+#: Functions that take their arguments as they come, without a branch or a call.
+_IN_LINE: frozenset[FunctionName] = frozenset(["abs", "sqrt", "hypot", "floor", "min", "max"])
 #: What is computed whether it is needed or not: series of a timeline, and what goes with memories of the run.
 _EVERY_CYCLE = (ir.Temporal, ir.Until, ir.Shift, ir.Tallied, ir.At, ir.OverRun, ir.Counted, ir.InState, ir.Kept)  # fmt: skip
 #: Names that locals do not have: parameters of functions, and what C and its headers know.

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.expressions import Writer, takes_several, told_by_margin
 from trackmarshal.backends.c.layout import Layout, roots
 from trackmarshal.backends.c.names import comment, written
 from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.operators import COMPARISONS, Extreme
+from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import RuleInfo
 
 #: How deep formulas may be nested; the generator goes down by calls.
@@ -36,6 +36,27 @@ typedef struct {
   bool worst_sat;
   bool best_sat;
 } tm_cases;
+"""
+#: Formulas of several samples at once.
+SEVERAL = """/* How many samples are worked out at once: as many as a register of the target holds. Results are the same for any number. */
+#ifndef TM_SEVERAL
+#ifdef __AVX__
+#define TM_SEVERAL 4u
+#else
+#define TM_SEVERAL 1u
+#endif
+#endif
+
+#if TM_SEVERAL > 1u
+/* What holds of all samples, or of one, of each place of a pass by itself: the margin, and `doubt` as above; and what the samples of the
+   present pass add: whether they are in range (1, -1), and the margin, NaN where that is not known. */
+typedef struct {
+  double margin[TM_SEVERAL];
+  double doubt[TM_SEVERAL];
+  double guard[TM_SEVERAL];
+  double body[TM_SEVERAL];
+} tm_several;
+#endif
 """
 
 #: How often formulas held in C.
@@ -85,11 +106,13 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     try:
         waits = is_ahead(rule)
         full, series = _waiting(plan, rule) if waits else _function(plan, rule, False)
-        functions, entry, counted = [full], f"tm_rule_{name}_any", full
+        texts, entry, counted = [list(c.printed(full))], f"tm_rule_{name}_any", full
         if not grouped and not rule.over_run:
             counted, more = _function(plan, rule, True)
+            at_once, _ = _function(plan, rule, True, True) if takes_several(plan, [rule]) else (None, 0)
             whole = _entry(plan, rule, name)
-            functions, entry, series = [counted, full, whole], whole.name, max(series, more)
+            texts = [_either(counted, at_once), *texts, list(c.printed(whole))]
+            entry, series = whole.name, max(series, more)
         along, most = ("", 0) if rule.along is None or rule.course is not None else _along(plan, rule)
     except RecursionError as error:
         span = rule.span
@@ -101,8 +124,16 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
         *(f"   {line}".rstrip() for line in about(rule)[1:-1]),
         f"   {about(rule)[-1]} */",
     ]
-    lines = [line for function in functions for line in (*c.printed(function), "")]
+    lines = [line for text in texts for line in (*text, "")]
     return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), along, counted)
+
+
+def _either(one: c.Function, several: c.Function | None) -> list[str]:
+    """The text of a function that takes one sample after the other, and of the one beside it where there is one that takes several."""
+    text = [] if several is None else list(c.printed(several))
+    if not any("tm_several " in line for line in text):
+        return list(c.printed(one))
+    return ["#if TM_SEVERAL > 1u", *text, "#else", *c.printed(one), "#endif"]
 
 
 def _waiting(plan: Layout, rule: RuleInfo) -> tuple[c.Function, int]:
@@ -134,11 +165,11 @@ def _operations(
 _COMPUTED = (c.Call, c.Unary, c.Binary, c.Conditional, c.Element)
 
 
-def _function(plan: Layout, rule: RuleInfo, known: bool) -> tuple[c.Function, int]:
-    """A rule's function, and the series that it needs."""
+def _function(plan: Layout, rule: RuleInfo, known: bool, several: bool = False) -> tuple[c.Function, int]:
+    """A rule's function, and the series that it needs. several: it takes several samples at once."""
     formula, active = rule.formula, rule.active
     assert formula is not None
-    writer = Writer(plan, [rule], known, [formula], [] if active is None else [active])
+    writer = Writer(plan, [rule], known, [formula], [] if active is None else [active], several)
     _unless_asked(writer, rule)
     for said in _said(writer, rule, *_value(writer)):
         writer.add(writer.root, said)
@@ -170,24 +201,7 @@ def _unless_asked(writer: Writer, rule: RuleInfo) -> None:
 def _concluded(writer: Writer, rule: RuleInfo, out: c.Expr, applies: c.Expr, holds: c.Expr) -> c.Expr:
     """What a rule says where everything is known. Where its margin tells whether it holds, nobody has to keep that besides."""
     assert rule.formula is not None
-    return writer.over(
-        "conclude_margin" if _told_by_margin(rule.formula) else "conclude", out, applies, holds
-    )
-
-
-def _told_by_margin(formula: ir.Formula) -> bool:
-    """Whether a formula of which all is known holds exactly where its margin is not negative."""
-    match formula:
-        case ir.Compare():
-            return COMPARISONS[formula.op].holds_at_zero
-        case ir.Truth() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
-            return True
-        case ir.Connective():
-            return formula.op in ("and", "or") and all(map(_told_by_margin, (formula.left, formula.right)))
-        case ir.Quantify() | ir.Guarded():
-            return _told_by_margin(formula.body)
-        case _:
-            return False  # of a margin that is divided by a scale, nothing may be left
+    return writer.over("conclude_margin" if told_by_margin(rule.formula) else "conclude", out, applies, holds)
 
 
 #: What the two kinds of functions are.
@@ -353,9 +367,16 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
 
 
 def _group(plan: Layout, name: str, rules: Sequence[RuleInfo]) -> GroupCode:
+    one = _joined(plan, name, rules)
+    several = _joined(plan, name, rules, True) if takes_several(plan, rules) else None
+    return GroupCode(tuple(rules), one.name, "\n".join([*_either(one, several), ""]))
+
+
+def _joined(plan: Layout, name: str, rules: Sequence[RuleInfo], several: bool = False) -> c.Function:
+    """The function of a group. several: it takes several samples at once."""
     formulas = [rule.formula for rule in rules if rule.formula is not None]
     guards = [rule.active for rule in rules if rule.active is not None]
-    writer = Writer(plan, rules, True, formulas, guards)
+    writer = Writer(plan, rules, True, formulas, guards, several)
     owners: list[RuleInfo] = []
     names: list[str] = []
     nodes: list[ir.Quantify] = []
@@ -381,5 +402,4 @@ def _group(plan: Layout, name: str, rules: Sequence[RuleInfo]) -> GroupCode:
         f"In one loop: {comment(', '.join(rule.name for rule in rules))}; each by itself where something that it needs is not known.",
     )
     parameters = (*PARAMETERS[:2], ("tm_output *", "out"))
-    made = c.Function(comment_, "void", f"tm_rules_{name}", parameters, body)
-    return GroupCode(tuple(rules), made.name, "\n".join([*c.printed(made), ""]))
+    return c.Function(comment_, "void", f"tm_rules_{name}", parameters, body)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from trackmarshal.backends.c import grids, machine, parts
@@ -24,6 +25,7 @@ from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, decla
 from trackmarshal.backends.c.rules import (
     CASES,
     FOLD,
+    SEVERAL,
     TALLY,
     TRUTH,
     GroupCode,
@@ -140,15 +142,25 @@ def _source(
     types += grids.types(plan)
     if not plan.remembers and counts_samples(root for rule in plan.rules for root in roots(rule)):
         types.append(TALLY)
+    several = [SEVERAL] if any("tm_several " in body for body in bodies) else []
     context = {
-        "plan": plan, "name": name, "types": [*types, TRUTH, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
-        "functions": [known[function] for function in parts.needed([*bodies, *tail])], "bodies": bodies,
+        "plan": plan, "name": name, "types": [*types, TRUTH, *several, *([] if found or plan.remembers else [CASES])],  # the header has it where it has what is made of them
+        "functions": _functions([known[function] for function in parts.needed([*bodies, *tail])]), "bodies": bodies,
         "tail": "\n".join(tail),
     }  # fmt: skip
     # The source switches off one analysis of gcc: 12.2 at -O2 takes a series that was written anew for the one before, as what a function
     # writes is lost from its summary when constants are propagated into it. Seen by comparison with the reference; clang, -O1 and
     # the sanitizers agree with it.
     return render("program/source.c.j2", context)
+
+
+def _functions(texts: Sequence[str]) -> list[str]:
+    """Functions, those for several samples at once only where a target takes several."""
+    found = list[str]()
+    for several, some in groupby(texts, lambda text: "_several" in text or "TM_SEVERAL" in text):
+        text = "\n".join(some)
+        found.append(f"#if TM_SEVERAL > 1u\n{text}#endif\n" if several else text)
+    return found
 
 
 def _data(plan: Layout) -> dict[str, Any]:
