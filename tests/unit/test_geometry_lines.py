@@ -11,6 +11,7 @@ from support.bodies import BOTH, Geometry
 from support.tracks import eight, loop, oval
 from trackmarshal.backends.reference import geometry as reference
 from trackmarshal.runtime.geometry import Corridor, Polyline, distance_to_paths
+from trackmarshal.runtime.geometry.arrays import true_in
 from trackmarshal.runtime.geometry.border import Border
 
 BEND = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)]
@@ -163,6 +164,16 @@ def test_gaps_of_arrays_that_broadcast(line: list[tuple[float, float]]) -> None:
     made = Polyline(line, True)
     alone = [[float(made.gap(one, other)[0]) for other in end] for one in start[:, 0]]
     assert made.gap(start, end) == pytest.approx(np.array(alone), nan_ok=True)
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (1, 1), (4, 7), (90, 5)])
+def test_what_is_true_in_a_table_row_by_row(shape: tuple[int, int]) -> None:
+    flags = np.arange(shape[0] * shape[1]).reshape(shape) % 3 == 1
+    for table in (flags, np.asfortranarray(flags), ~flags, flags & False):
+        rows, columns = true_in(table)
+        assert list(zip(rows, columns)) == [
+            (i, j) for i in range(shape[0]) for j in range(shape[1]) if table[i, j]
+        ]
 
 
 @both

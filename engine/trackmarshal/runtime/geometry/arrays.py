@@ -82,6 +82,13 @@ def points_of(x: Any, y: Any) -> tuple[Floats, Floats, Bools | None]:
     )
 
 
+def true_in(flags: Bools) -> tuple[Ints, Ints]:
+    """Rows and columns of what is true in a table, row by row. Along one axis numpy looks several times as fast as along two."""
+    at = flags.reshape(-1).nonzero()[0]
+    rows = at // flags.shape[1]
+    return rows, at - rows * flags.shape[1]
+
+
 def starts_of(rows: Ints) -> Ints:
     """Where each run of equal numbers begins."""
     begins = np.empty(rows.size, dtype=np.bool_)

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, starts_of
+from trackmarshal.runtime.geometry.arrays import SLACK, Bools, Floats, Ints, starts_of, true_in
 
 #: Consecutive segments that share a bounding disc, and how many of a block's segments share a smaller one.
 BLOCK, PART = 16, 4
@@ -153,9 +153,9 @@ class Border:
         distance = self.distance(x.take(point), y.take(point), k)
         best = _least_of(point, distance, x.size)
         is_best = distance == best.take(point)
-        row, pair = is_best.nonzero()
+        row, pair = true_in(is_best)
         if pair.size > best.size:  # of equally near ones the first
-            pair, row = np.ascontiguousarray(is_best.T).nonzero()
+            pair, row = true_in(is_best.T)
             first = starts_of(point.take(pair))
             pair, row = pair.take(first), row.take(first)
         if pair.size != best.size:
@@ -177,7 +177,7 @@ class Border:
         centre -= disc_radius
         near = np.empty(centre.shape[::-1], dtype=np.bool_)
         np.less_equal(centre, limit, out=near.T)
-        point, block = near.nonzero()
+        point, block = true_in(near)
         return point, some.take(block)
 
     def _blocks_around(self, x: Floats, y: Floats, reach: float | Floats) -> Ints:
@@ -208,7 +208,7 @@ class Border:
         centre -= radius
         near = np.empty(centre.shape[::-1], dtype=np.bool_)
         np.less_equal(centre, nearest.take(point), out=near.T)
-        pair, part = near.nonzero()
+        pair, part = true_in(near)
         return point.take(pair), self.part_segments.take(block.take(pair) * (BLOCK // PART) + part, axis=1)
 
     def _near(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints, Floats]:

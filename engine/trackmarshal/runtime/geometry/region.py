@@ -234,9 +234,11 @@ class Region:
         seen *= back
         apart = seen.view(np.float32)
         np.abs(apart, out=apart)
-        apart[0] -= size.view(np.float32)
-        np.subtract(apart[0], apart[1], out=apart[1])
-        np.maximum(apart, 0.0, out=apart)
+        # What is beyond the box, max(x - half, 0): max(x, half) - half is the same, and several times as fast as numpy is with the number 0.
+        sides, (middles, halves) = size.view(np.float32), apart
+        np.maximum(middles, sides, out=middles)
+        middles -= sides
+        np.subtract(np.maximum(middles, halves), halves, out=halves)
         # How near does its middle come for sure, and how near can a segment come to the box at best?
         sure, best = np.abs(seen)
         limit = np.minimum.reduce(sure, axis=0)
