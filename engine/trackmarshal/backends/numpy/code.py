@@ -452,10 +452,12 @@ class Code:
         whole = isinstance(node, ir.Sample) or node.axis.width == 1
         return part if whole else f"{part}.copy()"  # of part of a table, which is in several pieces
 
-    def _index(self, node: Part) -> tuple[slice | None, ...]:
+    def _index(self, node: Part) -> tuple[slice | int | None, ...]:
         """Where a table has a column or a sample, shaped for broadcasting."""
         if isinstance(node, ir.Column):
             return column_index(node.axis, max(0, node.offset), self.rank)
+        if self.rank == 1:  # of nothing but cases, a sample is one number of each
+            return (slice(None), node.index)
         return (slice(None), _ENDS[node.index], *(None,) * (self.rank - 2))
 
     # Formulas -------------------------------------------------------------------------------------------------
