@@ -13,7 +13,15 @@ from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import deciding
-from trackmarshal.ir.operators import COMPARISONS, ComparisonOp, ConnectiveOp, Extreme, FoldOp, FunctionName
+from trackmarshal.ir.operators import (
+    COMPARISONS,
+    ComparisonOp,
+    ConnectiveOp,
+    Extreme,
+    FoldOp,
+    FunctionName,
+    Measure,
+)
 from trackmarshal.ir.spec import Called, RuleInfo
 from trackmarshal.ir.tables import LINEAR_CLAMP
 from trackmarshal.source import Span
@@ -944,7 +952,9 @@ def _simple(plan: Layout, node: ir.Quantify) -> bool:
     else:
         asked = [node.body] if node.guard is None else [node.guard, node.body]
     differs = any(axis in plan.facts.free(each) for each in asked)
-    return differs and told_by_margin(asked[-1]) and all(_straight(plan, each) for each in asked)
+    if not told_by_margin(asked[-1]) or _may_be_infinite(asked[-1]):
+        return False
+    return differs and all(_straight(plan, each) for each in asked)
 
 
 def _straight(plan: Layout, node: Value) -> bool:
@@ -960,6 +970,13 @@ def _straight(plan: Layout, node: Value) -> bool:
             return all(_straight(plan, each) for each in plan.facts.operands(node))
         case _:
             return False
+
+
+def _may_be_infinite(formula: ir.Formula) -> bool:
+    """Whether the margin of what is simple may be infinite though all is known: with several samples at once, an infinite one is not known."""
+    if isinstance(formula, ir.Connective):
+        return _may_be_infinite(formula.left) or _may_be_infinite(formula.right)
+    return isinstance(formula, ir.Compare) and COMPARISONS[formula.op].measure is Measure.SAMENESS
 
 
 def told_by_margin(formula: ir.Formula) -> bool:
