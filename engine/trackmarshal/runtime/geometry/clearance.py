@@ -54,7 +54,7 @@ def least_clear(
 
     asked: of the shape that all arguments broadcast to. least: of each entry along the first axis only the least margin of what is asked
     for counts, so greater ones may be infinite too; what has no margin is NaN all the same. floor: of a shape that broadcasts to it; margins
-    are raised to it before it is asked which is the least.
+    are raised to it before it is asked which is the least, so what has none may be infinite where its floor is greater than that.
     """
     body, box = _table((*args[:8], *args[13:])), _table(tuple(args[8:13]))
     shape = np.broadcast_shapes(body.shape[1:], box.shape[1:])
