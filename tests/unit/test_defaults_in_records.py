@@ -53,9 +53,9 @@ def given(number: int, **changes: Any) -> tm.Cycle:
     return tm.Cycle(number, 0.1 * number, parts["plan"], dict(parts["plan"]), signals)
 
 
-def driven(path: Path, cycles: list[tm.Cycle]) -> Run:
+def driven(path: Path, cycles: list[tm.Cycle], text: str = SPEC) -> Run:
     now = [0.0]
-    live = tm.supervisor(tm.loads(SPEC), clock=lambda: now[0], record=path)
+    live = tm.supervisor(tm.loads(text), limits={"budget": 1e9}, clock=lambda: now[0], record=path)
     for now[0], one in zip((0.1 * place for place in range(len(cycles))), cycles):
         assert live.step(one).safe
     live.close()
@@ -100,6 +100,56 @@ def test_elements_of_which_only_some_have_a_field(tmp_path: Path) -> None:
     assert defaulted(tm.load_recording(tmp_path / "run.arrows"), spec, spec.rules) == {
         "objects.age": ("seen",)
     }
+
+
+ROAD: dict[str, Any] = {"left": [[-9.0, 9.0], [9.0, 9.0]], "right": [[-9.0, -9.0], [9.0, -9.0]]}
+TRACK = "signal track : corridor { left: polyline, right: polyline }\n"
+READ = 'rule inside "Inside"\n  for all p in plan\n  require footprint(p, 4 m, 2 m) inside track\n'
+#: Of fields that are no SI, all cycles are kept as they came in.
+IN_KMH = ("wind : state { v: m/s default 3 m/s }", "wind : state { v: km/h default 3 km/h }")
+
+
+@pytest.mark.parametrize("more", [{}, {"name": None, "closed": False}, {"name": "here"}])
+@pytest.mark.parametrize("read", ["", READ])
+def test_a_cycle_that_is_kept_as_it_came_in_has_no_other_track(
+    read: str, more: dict[str, Any], tmp_path: Path
+) -> None:
+    """As one with an id that has no JSON; columns had another word for the same track, and all that followed was left out."""
+    cycles = [given(number) for number in range(3)]
+    for one in cycles:
+        one.signals["track"] = {**ROAD, **more}
+    cycles[1].signals["objects"]["id"] = ["a", "\ud800"]
+    driven(tmp_path / "run.arrows", cycles, SPEC + TRACK + read)
+    recording = tm.load_recording(tmp_path / "run.arrows")
+    assert (len(recording.cycles), recording.notes) == (3, ())
+    assert (recording.track["left"], recording.track.get("name")) == (
+        ROAD["left"] if read else [],
+        more.get("name"),
+    )
+
+
+@pytest.mark.parametrize("change", [{"closed": True}, {"name": "there"}, {"left": [[-9.0, 8.0], [9.0, 8.0]]}])
+def test_another_track_is_one_also_of_cycles_that_are_kept_as_they_came_in(
+    change: dict[str, Any], tmp_path: Path
+) -> None:
+    cycles = [given(number) for number in range(3)]
+    for one in cycles:
+        one.signals["track"] = ROAD if one.number < 2 else {**ROAD, **change}
+    driven(tmp_path / "run.arrows", cycles, SPEC.replace(*IN_KMH).replace("9 m/s", "9 km/h") + TRACK)
+    recording = tm.load_recording(tmp_path / "run.arrows")
+    assert (len(recording.cycles), recording.notes[0]) == (
+        2,
+        "the track changes at 0.2 s; what follows is left out",
+    )
+
+
+@pytest.mark.parametrize("track", [None, []])
+def test_a_track_that_is_none_is_no_error_where_no_rule_reads_borders(track: Any, tmp_path: Path) -> None:
+    cycles = [given(number) for number in range(2)]
+    for one in cycles:
+        one.signals["track"] = track
+    driven(tmp_path / "run.arrows", cycles, SPEC.replace(*IN_KMH).replace("9 m/s", "9 km/h") + TRACK)
+    assert tm.load_recording(tmp_path / "run.arrows").track == {"left": [], "right": [], "closed": False}
 
 
 def test_readers_of_the_table_find_the_default_in_its_column(tmp_path: Path) -> None:

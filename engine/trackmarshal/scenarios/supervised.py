@@ -263,14 +263,13 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
             since += 1
             continue
         signals = _plain(cycle.signals)
-        given = signals.get("track", {})
-        given = given if "left" in given else {**_NO_TRACK, **given}
+        given = _known(signals.get("track"))
         standing = _elements(signals.get("obstacles"))
-        if kept and given != track:
+        if kept and _changes(track, given):
             notes.append(f"the track changes at {moment(cycle.t)} s; what follows is left out")
             break
         if not kept:
-            track, obstacles = dict(given), standing
+            track, obstacles = given, standing
         # Numbers tell of those that were lost on the way, and rows of steps that got none.
         missing = 0 if last is None else min(max(since, cycle.number - last - 1), MOST_LOST)
         last, since = cycle.number, 0
@@ -301,9 +300,23 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     if left_out:
         notes.append(f"{left_out} of {len(run.cycles)} cycles of the record are left out")
     params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
+    track = track if "left" in track else {**_NO_TRACK, **track}
     return Recording(
         name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), of_run=OfRun(run.members, run.units)
     )  # fmt: skip
+
+
+def _known(track: Any) -> dict[str, Any]:
+    """What a cycle says of the track; nothing where that is none, which passes the door where rules ask for no borders."""
+    return (
+        {name: part for name, part in track.items() if part is not None} if isinstance(track, Mapping) else {}
+    )
+
+
+def _changes(track: Mapping[str, Any], given: Mapping[str, Any]) -> bool:
+    """Whether another cycle has another track: one that was kept as it came in may lack what its columns would have, and have what they would not."""
+    was, now = ((bool(one.get("closed")), one.get("name")) for one in (track, given))
+    return was != now or any(track[each] != given[each] for each in track.keys() & given.keys() - {"closed"})
 
 
 def _plain(value: Any) -> Any:
