@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -95,11 +96,38 @@ def test_elements_of_which_only_some_have_a_field(tmp_path: Path) -> None:
     for one in cycles:
         one.signals["objects"] = [{"id": "a", "x": 50.0, "age": 0.1}, {"id": "b", "x": 60.0}]
     cycles[2].signals["objects"] = [{"id": "a", "x": 50.0}, {"id": "b", "x": 60.0}]
+    as_given = [one.signals["objects"] for one in cycles[:2]]
     run, spec = driven(tmp_path / "run.arrows", cycles), tm.loads(SPEC)
     assert [found for _, found in rerun(run, box_of(run, spec))] == [[]] * 3
     assert defaulted(tm.load_recording(tmp_path / "run.arrows"), spec, spec.rules) == {
         "objects.age": ("seen",)
     }
+    assert [one.cycle.signals["objects"] for one in run.cycles[:2]] == as_given
+
+
+def test_elements_of_which_only_some_have_a_field_are_in_columns(tmp_path: Path) -> None:
+    """As all of the cycle is: as it came in, it took a thousand times as long, with the borders in it."""
+    cycles = [given(number) for number in range(5)]
+    for one in cycles:
+        one.signals["objects"] = [
+            {"id": "a", "x": 5.0, "r": 1.0},
+            {"x": 6.0, "age": 0.1},
+            {"x": 7.0, "r": 3.0},
+        ]
+    near = 'rule near "Near"\n  for all o in objects\n  require o.r <= 3 m\n'
+    text = SPEC.replace("object { x: m,", "object { x: m, r: m default 2 m,") + near
+    path, spec = tmp_path / "run.arrows", tm.loads(text)
+    run = driven(path, cycles, text)
+    found = layout_of(path.read_bytes())
+    assert found is not None
+    names = [name for name, _ in found[0].columns]
+    rows = [dict(zip(names, row.values, strict=True)) for row in found[0].rows(path.read_bytes())]
+    said = [(row["raw"], json.loads(row["left_out"])) for row in rows if row["state"]]
+    assert said == [("", [["objects.r", [1]], ["objects.age", [0, 2]]])] * 5
+    assert [list(row["objects.r"]) for row in rows if row["state"]] == [[1.0, 2.0, 3.0]] * 5
+    assert [found for _, found in rerun(run, box_of(run, spec))] == [[]] * 5
+    wider = tm.loads(text.replace("default 2 m", "default 4 m"))
+    assert [decision.safe for decision, _ in rerun(run, box_of(run, wider))] == [False] * 5
 
 
 ROAD: dict[str, Any] = {"left": [[-9.0, 9.0], [9.0, 9.0]], "right": [[-9.0, -9.0], [9.0, -9.0]]}
@@ -110,7 +138,7 @@ IN_KMH = ("wind : state { v: m/s default 3 m/s }", "wind : state { v: km/h defau
 
 
 @pytest.mark.parametrize("more", [{}, {"name": None, "closed": False}, {"name": "here"}])
-@pytest.mark.parametrize("read", ["", READ])
+@pytest.mark.parametrize("read", ["", READ], ids=["none reads it", "read"])
 def test_a_cycle_that_is_kept_as_it_came_in_has_no_other_track(
     read: str, more: dict[str, Any], tmp_path: Path
 ) -> None:

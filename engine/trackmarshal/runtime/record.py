@@ -7,7 +7,7 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI, members of enumerations by the places that the head names; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
   the row before that has any; `SIGNAL.name`: what the track is called;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
-- `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand (records before version 4 do not say it);
+- `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand, with the places of the elements of a set that did not, where others did (records before version 4 do not say it);
 - `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
   in `raw` a part of a snapshot (`snapshots.py`), from which a replay can start;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
@@ -298,8 +298,9 @@ _Spare = list[tuple[str, tuple[tuple[str, str], ...]]]
 
 
 def _left_out(cycle: Any, spare: _Spare) -> str | None:
-    """JSON of the columns that a cycle which passed the door does not have, empty for none; None where only some elements of a set lack one."""
-    found: list[str] = []
+    """JSON of the columns that a cycle which passed the door does not have, empty for none; each with the places of elements where only some lack
+    it. None where what was handed in cannot be asked."""
+    found: list[_Lacking] = []
     try:
         for name, fields in spare:
             given: Any = (
@@ -310,18 +311,24 @@ def _left_out(cycle: Any, spare: _Spare) -> str | None:
                 else cycle.signals[name]
             )
             if type(given) is not dict and not is_a(given, Mapping):
-                first, *others = entries(given) or [{field: None for field, _ in fields}]
-                if any((field in one) != (field in first) for one in others for field, _ in fields):
-                    return None
-                given = first
-            found += [column for field, column in fields if field not in given]
+                elements = entries(given)
+                for field, column in fields:
+                    places = tuple([place for place, one in enumerate(elements) if field not in one])
+                    if places:
+                        found.append(column if len(places) == len(elements) else (column, places))
+            else:
+                found += [column for field, column in fields if field not in given]
     except Exception:  # what was handed in has a say in how it is read
         return None
     return _listed(tuple(found)) if found else ""
 
 
+#: A column that a cycle does not have; or that elements at these places do not.
+_Lacking = str | tuple[str, tuple[int, ...]]
+
+
 @lru_cache(maxsize=64)
-def _listed(columns: tuple[str, ...]) -> str:
+def _listed(columns: tuple[_Lacking, ...]) -> str:
     return json.dumps(columns)
 
 
@@ -527,7 +534,8 @@ def _identity(given: Any) -> dict[str, Any]:
 def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any]) -> Recorded:
     times, (raw, left_out) = values[: len(_TIMES)], values[len(_TIMES) : len(_TIMES) + 2]
     columns = values[len(_TIMES) + 2 : len(_TIMES) + 2 + len(inputs)]
-    lacking = frozenset(json.loads(left_out)) if left_out else frozenset()
+    lacking = json.loads(left_out) if left_out else ()
+    some = [one for one in lacking if type(one) is list]
     if raw:
         cycle = _unplain(json.loads(raw))
     else:
@@ -557,8 +565,23 @@ def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str
                     signals.setdefault(signal, {})["name"] = value
             else:
                 signals.setdefault(signal, {})["id" if part == "ids" else field] = value
+        _without(signals, some)
         cycle = Cycle(times[0], times[1], plans[DRIVING], plans[EMERGENCY], signals)
     return Recorded(cycle, (times[2], times[3]), values[-len(_DECISION) :])
+
+
+def _without(signals: dict[str, Any], some: list[Any]) -> None:
+    """Give sets of which only some elements have a field as records, without it where they do not."""
+    for column, places in some:
+        signal, _, field = column.rpartition(".")
+        given = signals[signal]
+        if type(given) is dict:
+            listed = {name: part if name == "id" else part.tolist() for name, part in given.items()}
+            given = signals[signal] = [
+                dict(zip(listed, one, strict=True)) for one in zip(*listed.values(), strict=True)
+            ]
+        for place in places:
+            del given[place][field]
 
 
 # Columns ----------------------------------------------------------------------------------------------------------
