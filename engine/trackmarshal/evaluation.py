@@ -753,7 +753,11 @@ def _refuse_several(
 ) -> None:  # fmt: skip
     """Raise E402 for a name of several declarations that rules read: which of them is meant, nobody can tell, as of data (D203)."""
     short = short_name(info)
-    meant = [name for name, old in target.items() if short_name(old) == short and name != info.name]
+    # The configuration may be a module of the spec; another file of that module's name is none.
+    itself = info.span.file.text
+    meant = [
+        name for name, old in target.items() if short_name(old) == short and old.span.file.text != itself
+    ]
     if len(meant) < 2:  # mostly
         return
     from trackmarshal.ir import nodes as ir
