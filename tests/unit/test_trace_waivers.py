@@ -104,6 +104,70 @@ def test_a_waiver_for_every_rule_or_assumption_is_a_blanket(
     assert [finding.subject for finding in found] == ["W-2"] * blanket
 
 
+MORE = {
+    "hazards": """domains:
+  - {id: ODD-1, title: The road, description: Dry.}
+  - {id: ODD-2, title: The road, description: Wet.}
+""",
+    "assurance": """persons: [{id: P-1, title: Somebody}]
+reviews:
+  - {id: RV-1, of: [{id: S-1-B-1, fingerprint: "0000000000000000000000000000000000000000000000000000000000000000"}], by: [P-1], made: 2026-01-01, document: docs/architecture.md, outcome: accepted}
+  - {id: RV-2, of: [{id: S-1-B-1, fingerprint: "0000000000000000000000000000000000000000000000000000000000000000"}], by: [P-1], made: 2026-01-01, document: docs/architecture.md, outcome: accepted}
+analyses:
+  - {id: FT-1, title: Down, method: fault tree, of: [S-1-B-1], by: [P-1], made: 2026-01-01, document: docs/architecture.md}
+  - {id: FT-2, title: Up, method: fault tree, of: [S-1-B-1], by: [P-1], made: 2026-01-01, document: docs/architecture.md}
+""",
+}
+
+
+@pytest.mark.parametrize(
+    ("codes", "subjects", "blanket"),
+    [
+        ("T254", "ODD-*", True),
+        ("T253", "ODD-*", False),
+        ("T254", "ODD-1*", False),
+        ("T254", "ODD-1, ODD-2", False),
+        ("T253", "FT-1*, *-2", True),
+        ("T254", "FT-*", False),
+        ("T253", "RV-*", True),
+    ],
+)
+def test_a_waiver_for_every_domain_analysis_or_review_is_a_blanket(
+    codes: str, subjects: str, blanket: bool, tmp_path: Path
+) -> None:
+    """As one for every assumption: a domain that was claimed later, and of which there is no recording, was green."""
+    made = Small.copy(tmp_path)
+    listed = ", ".join(f'"{pattern}"' for pattern in subjects.split(", "))
+    made.replace(
+        "requirements/v-model.yaml",
+        "waivers:\n",
+        f"waivers:\n  - {{id: W-2, codes: [{codes}], subjects: [{listed}], justification: None., residual_risk: None., owner: the maintainers, "
+        "approver: the safety manager, granted: 2026-01-01, expires: 2026-12-31}\n",
+    )
+    for name, said in MORE.items():
+        text = f"document: {name}\ntitle: More\n{said}"
+        (made.root / "requirements" / f"{name}.yaml").write_text(text, "utf-8")
+    found = made.matrix().findings
+    assert [one.subject for one in found if one.code == "T236"] == ["W-2"] * blanket
+    assert not [one for one in found if one.code.startswith("T12")]
+
+
+def test_patterns_of_requirements_excuse_no_assumption(tmp_path: Path) -> None:
+    """Beside them a waiver for one assumption was one for every, where requirements are called as assumptions are."""
+    made = Small.copy(tmp_path)
+    made.replace(
+        "requirements/v-model.yaml",
+        "waivers:\n",
+        'waivers:\n  - {id: W-2, stages: [S-2-A], requirements: ["A-*"], codes: [T208], subjects: [A-SEEN], justification: None., '
+        "residual_risk: None., owner: the maintainers, approver: the safety manager, granted: 2026-01-01, expires: 2026-12-31}\n",
+    )
+    items, tests, results, runs = made.parts()
+    (seen,) = (item for item in items if item.kind == "assume")
+    another = replace(seen, name="A-MAP", line=seen.line + 50)
+    matrix = trace.build(made.root, [*items, another], tests, results, runs, TODAY)
+    assert not [one for one in matrix.findings if one.code == "T236"]
+
+
 @pytest.mark.parametrize(
     ("codes", "subject", "left"),
     [

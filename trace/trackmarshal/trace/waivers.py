@@ -12,10 +12,13 @@ from trackmarshal.trace.model import Project, Requirement, Waiver, matches
 from trackmarshal.trace.spec import Spec
 from trackmarshal.trace.values import Placed
 
-#: Kinds of items of specs, what they are called, and by which codes they may be the subjects of a waiver.
+#: Kinds of items of specs and of entries, what they are called, and by which codes they may be the subjects of a waiver.
 _SUBJECTS = (
     ("rule", "rule", frozenset({"T211", "T212"})),
     ("assume", "assumption", frozenset({"T208", "T211", "T212", "T252", "T253"})),
+    ("operational design domain", "operational design domain", frozenset({"T254"})),
+    ("analysis", "analysis", frozenset({"T253"})),
+    ("review", "review", frozenset({"T253"})),
 )
 
 
@@ -69,10 +72,16 @@ def _blanket(waiver: Waiver, project: Project, spec: Spec) -> Iterator[Finding]:
             found.append((pattern, f"`{pattern}`, which is everything"))
     if wild and not found and len(demanded) > 1 and all(_excused(r, wild) for r in demanded):
         found.append((wild[0], "every requirement of the project"))
+    fitting = [pattern for pattern in waiver.subjects if "*" in pattern]
     for kind, called, codes in _SUBJECTS:
         names = [item.name for item in spec.by_name.values() if item.kind == kind]
-        if codes.intersection(waiver.codes) and len(names) > 1 and all(matches(name, wild) for name in names):
-            found.append((wild[0], f"every {called}"))
+        names += [str(entry.id) for entry in project.entries if entry.kind == kind]
+        if (
+            codes.intersection(waiver.codes)
+            and len(names) > 1
+            and all(matches(name, fitting) for name in names)
+        ):
+            found.append((fitting[0], f"every {called}"))
     if len(stages) > 1 and stages <= set(waiver.stages):
         found.append((waiver.stages[0], "every stage"))
     if set(waiver.codes) >= WAIVABLE:
