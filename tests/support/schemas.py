@@ -73,7 +73,11 @@ def brief(value: Any) -> Any:
         return value
     if len(value) <= PLAIN or any(isinstance(one, dict | list) for one in value):
         return [brief(one) for one in value]
-    kinds = {one if isinstance(one, str) else type(one): one for one in value[PLAIN:]}
+    # Of floats, whole ones are integers to a schema.
+    kinds = {
+        one if isinstance(one, str) else (type(one), isinstance(one, float) and one.is_integer()): one
+        for one in value[PLAIN:]
+    }
     numbers = [one for one in value if isinstance(one, int | float)]
     return [*value[:PLAIN], *kinds.values(), *({min(numbers), max(numbers)} if numbers else ())]
 

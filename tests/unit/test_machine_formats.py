@@ -203,3 +203,4 @@ def test_of_a_long_list_what_alone_is_otherwise_is_held(wrong: Any) -> None:
     assert any(one == wrong and type(one) is type(wrong) for one in held["series"])
     assert len(held["series"]) < 20
     assert brief([0.5] * 3) == [0.5] * 3
+    assert 7.5 in brief([*range(20), 7.5, 8.0, 9.0])  # a list of integers has no such
