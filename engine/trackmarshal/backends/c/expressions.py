@@ -957,19 +957,28 @@ def _simple(plan: Layout, node: ir.Quantify) -> bool:
     return differs and all(_straight(plan, each) for each in asked)
 
 
-def _straight(plan: Layout, node: Value) -> bool:
-    """Whether all of a value that differs from sample to sample is arithmetic in a line."""
-    match node:
-        case _ if not plan.facts.free(node):
-            return isinstance(node, ir.Num)
-        case ir.Column():
-            return node.offset >= 0
-        case ir.Func() if node.name not in _IN_LINE:
-            return False
-        case ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Compare() | ir.Connective() | ir.Not():
-            return all(_straight(plan, each) for each in plan.facts.operands(node))
-        case _:
-            return False
+def _straight(plan: Layout, value: Value) -> bool:
+    """Whether all of a value that differs from sample to sample is arithmetic in a line. What stands in it several times is asked once."""
+    asked, waiting = set[Value](), [value]
+    while waiting:
+        node = waiting.pop()
+        if node in asked:
+            continue
+        asked.add(node)
+        match node:
+            case _ if not plan.facts.free(node):
+                if not isinstance(node, ir.Num):
+                    return False
+            case ir.Column():
+                if node.offset < 0:
+                    return False
+            case ir.Func() if node.name not in _IN_LINE:
+                return False
+            case ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Compare() | ir.Connective() | ir.Not():
+                waiting += plan.facts.operands(node)
+            case _:
+                return False
+    return True
 
 
 def _may_be_infinite(formula: ir.Formula) -> bool:
