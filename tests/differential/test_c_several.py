@@ -96,3 +96,17 @@ def test_members_of_enumerations_are_not_worked_out_for_several_samples_at_once(
     ):
         spec = compiled(f'{head}rule r "that"\n  {text}\n')
         assert ("tm_several " in generated(spec, spec.rules).source) == several, text
+
+
+@pytest.mark.parametrize(
+    ("step", "first", "last"),
+    [("{0} + {0} * 0.5", "p.x", "{0} <= 2 m"), ("{0} and {0}", "p.x <= 2 m", "{0}"), ("{0} or {0}", "p.x <= 2 m", "{0}")],
+)  # fmt: skip
+def test_what_names_the_one_before_twice_is_gone_through_once(step: str, first: str, last: str) -> None:
+    """There are 2^40 ways to the bottom."""
+    lets = "".join(f"  let y{n + 1} = {step.format(f'y{n}')}\n" for n in range(40))
+    spec = compiled(
+        "module made\nsignal plan : trajectory { t: s increasing, x: m }\n"
+        f'rule r "that"\n  for all p in plan\n  let y0 = {first}\n{lets}  require {last.format("y40")}\n'
+    )
+    assert "tm_several " in generated(spec, spec.rules).source

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import assert_never
 
 from trackmarshal.backends.c import tree as c
@@ -952,55 +952,74 @@ def _simple(plan: Layout, node: ir.Quantify) -> bool:
     else:
         asked = [node.body] if node.guard is None else [node.guard, node.body]
     differs = any(axis in plan.facts.free(each) for each in asked)
-    if not told_by_margin(asked[-1]) or _may_be_infinite(asked[-1]):
+    if not (told_by_margin(asked[-1]) and _always_finite(asked[-1])):
         return False
     return differs and all(_straight(plan, each) for each in asked)
 
 
-def _straight(plan: Layout, value: Value) -> bool:
-    """Whether all of a value that differs from sample to sample is arithmetic in a line. What stands in it several times is asked once."""
+def _all_of(value: Value, parts: Callable[[Value], Iterable[Value] | None]) -> bool:
+    """Whether all of a value is as wanted: `parts` gives what else is asked of a node, None where it is not as wanted. What stands in it
+    several times is asked once."""
     asked, waiting = set[Value](), [value]
     while waiting:
         node = waiting.pop()
-        if node in asked:
-            continue
-        asked.add(node)
-        match node:
-            case _ if not plan.facts.free(node):
-                if not isinstance(node, ir.Num):
-                    return False
-            case ir.Column():
-                if node.offset < 0:
-                    return False
-            case ir.Func() if node.name not in _IN_LINE:
+        if node not in asked:
+            asked.add(node)
+            more = parts(node)
+            if more is None:
                 return False
-            case ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Compare() | ir.Connective() | ir.Not():
-                waiting += plan.facts.operands(node)
-            case _:
-                return False
+            waiting += more
     return True
 
 
-def _may_be_infinite(formula: ir.Formula) -> bool:
-    """Whether the margin of what is simple may be infinite though all is known: with several samples at once, an infinite one is not known."""
-    if isinstance(formula, ir.Connective):
-        return _may_be_infinite(formula.left) or _may_be_infinite(formula.right)
-    return isinstance(formula, ir.Compare) and COMPARISONS[formula.op].measure is Measure.SAMENESS
+def _straight(plan: Layout, value: Value) -> bool:
+    """Whether all of a value that differs from sample to sample is arithmetic in a line."""
+
+    def parts(node: Value) -> Iterable[Value] | None:
+        match node:
+            case _ if not plan.facts.free(node):
+                return () if isinstance(node, ir.Num) else None
+            case ir.Column():
+                return () if node.offset >= 0 else None
+            case ir.Func() if node.name not in _IN_LINE:
+                return None
+            case ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Compare() | ir.Connective() | ir.Not():
+                return plan.facts.operands(node)
+            case _:
+                return None
+
+    return _all_of(value, parts)
+
+
+def _always_finite(formula: ir.Formula) -> bool:
+    """Whether the margin of what is simple is finite where all is known: with several samples at once, an infinite one is not known."""
+
+    def parts(node: Value) -> Iterable[Value] | None:
+        if isinstance(node, ir.Connective):
+            return node.left, node.right
+        same = isinstance(node, ir.Compare) and COMPARISONS[node.op].measure is Measure.SAMENESS
+        return None if same else ()
+
+    return _all_of(formula, parts)
 
 
 def told_by_margin(formula: ir.Formula) -> bool:
     """Whether a formula of which all is known holds exactly where its margin is not negative."""
-    match formula:
-        case ir.Compare():
-            return COMPARISONS[formula.op].holds_at_zero
-        case ir.Truth() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
-            return True
-        case ir.Connective():
-            return formula.op in ("and", "or") and all(map(told_by_margin, (formula.left, formula.right)))
-        case ir.Quantify() | ir.Guarded():
-            return told_by_margin(formula.body)
-        case _:
-            return False  # of a margin that is divided by a scale, nothing may be left
+
+    def parts(node: Value) -> Iterable[Value] | None:
+        match node:
+            case ir.Compare():
+                return () if COMPARISONS[node.op].holds_at_zero else None
+            case ir.Truth() | ir.Flag() | ir.SweptInside() | ir.SweptClear() | ir.InArea():
+                return ()
+            case ir.Connective() if node.op in ("and", "or"):
+                return node.left, node.right
+            case ir.Quantify() | ir.Guarded():
+                return (node.body,)
+            case _:
+                return None  # of a margin that is divided by a scale, nothing may be left
+
+    return _all_of(formula, parts)
 
 
 def _conjuncts(formula: ir.Formula) -> list[tuple[ir.Formula, ir.Formula]]:
