@@ -211,3 +211,27 @@ def test_of_no_booleans_none_is_true_and_all_are() -> None:
     flags = [logic.TRUE[None][:0], logic.TRUE, logic.FALSE]
     assert [logic.nowhere(each) for each in (*flags, None)] == [True, False, True, False]
     assert [logic.full(each) for each in flags] == [True, True, False]
+
+
+@pytest.mark.parametrize("sample", ["first", "last"])
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_a_sample_beside_nothing_with_elements_is_one_number_of_each_case(sample: str, count: int) -> None:
+    """As a column of a table, verdicts of seven cases were seven by seven; ends of trajectories of different lengths are their own."""
+    spec = compiled(f"""{SIGNALS}
+rule ends "nothing but a sample"
+  require plan.{sample}.v <= 3 m/s
+rule apart "two of its numbers"
+  require plan.{sample}.x - plan.{sample}.y <= 4 m and plan.{sample}.v >= ego.x / 1 s
+""")
+    cases = [case([], driven=float(n), x=float(n)) for n in range(count)]
+    for n, each in enumerate(cases):
+        plan = each["signals"]["plan"]
+        plan["v"][-1] = 5.0 - n
+        if n % 2:
+            each["signals"]["plan"] = {name: column[:2] for name, column in plan.items()}
+    frames = read(spec, cases)
+    found = results(spec, frames, "numpy")
+    for one, wanted in zip(found, results(spec, frames, "reference"), strict=True):
+        assert not differences(one, wanted)
+    assert len(found) == count
+    assert {one.rules["ends"].verdict for one in found} <= {"satisfied", "violated"}
