@@ -236,6 +236,46 @@ def test_a_person_may_put_it_down_to_a_rule(tmp_path: Path) -> None:
     assert [one.cause for one in found] == ["rule", "real"]
 
 
+@pytest.mark.parametrize(
+    ("said", "notes"),
+    [
+        ("findings: [{rule: speed_limit, from: 0, to: 18, cause: rule, because: of B}]", []),
+        ("findings: [{rule: speed_limit, from: 0, to: 18, cause: real, because: of B}]", []),
+        (
+            "findings: [{rule: speed_limits, from: 0, to: 18, cause: rule, because: of B}]",
+            ["speed_limits", "no such rule", "did you mean `speed_limit`"],
+        ),
+        (
+            "findings: [{rule: no_reversing, from: 0, to: 18, cause: rule, because: of B}]",
+            ["no_reversing", "does not fire", "of B"],
+        ),
+        ("findings: [{rule: speed_limit, from: 9000, to: 9001, cause: rule, because: of B}]", []),
+        ("findings: [{rule: static_collision, from: 0, to: 18, cause: rule, because: not asked}]", []),
+        ("gaps: [{from: 3, to: 4, because: of G}]", []),
+    ],
+)
+def test_a_word_on_firings_to_which_none_answers_is_told(
+    tmp_path: Path, said: str, notes: list[str]
+) -> None:  # fmt: skip
+    where, file = drive_of(tmp_path, f"{said}\n")
+    drive = build(mapping.read(where), file)
+    (tmp_path / "slow.spec").write_text("module slow\n\nparam v_max : m/s = 10 m/s\n", encoding="utf-8")
+    asked = judge(drive.recording, Evaluator(spec(tmp_path / "slow.spec"), ["speed_limit", "no_reversing"]))
+    told = data(report(drive, asked))["notes"][len(drive.recording.notes) :]
+    assert len(told) == bool(notes)
+    assert all(word in told[0] for word in notes)
+
+
+def test_a_gap_of_the_map_that_explains_nothing_is_told(tmp_path: Path) -> None:
+    where, file = drive_of(tmp_path, "gaps: [{from: 3, to: 4, because: a lane that is no longer there}]\n")
+    drive = build(mapping.read(where), file)
+    told = report(drive, judge(drive.recording, Evaluator(spec(), ["static_collision"]))).notes
+    assert (
+        told[-1]
+        == "gaps: from 3 to 4 s, no rule that was asked fires for that (a lane that is no longer there)"
+    )
+
+
 def test_limits_are_where_closed_forms_say(tmp_path: Path) -> None:
     """At 15 m/s on a road of 20 m, no rule is near: it would fire from a top speed of 15 m/s down, and from a car 20 m wide up."""
     where, file = drive_of(tmp_path)

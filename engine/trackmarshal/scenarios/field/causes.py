@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.scenarios.field.build import Drive
 from trackmarshal.scenarios.field.judged import CONTRACT, Judgement
@@ -52,6 +54,35 @@ def firings(drive: Drive, judged: Judgement, clean: Judgement | None = None) -> 
         ]  # fmt: skip
         found += _grouped(judged, rule.name, number, causes)
     return sorted([*found, *_breaches(drive, judged, clean)], key=lambda one: (one.begin, one.rule))
+
+
+def unheard(drive: Drive, judged: Judgement, found: Iterable[Firing]) -> list[str]:
+    """What the mapping says of firings, and no firing answers to: a word that is no longer needed, or was meant for another rule or time.
+
+    `found`: the firings of all ways in which the log was looked at. Of rules that were not asked, and of times that were not, nothing is said.
+    """
+    mapping, spec = drive.mapping, judged.evaluator.spec
+    known, asked = [rule.name for rule in spec.rules], {rule.name for rule in judged.evaluator.rules}
+    begin, end = float(judged.times[0]), float(judged.times[-1])
+    said = list(found)
+    of_road = any(reads_road(rule, spec) for rule in judged.evaluator.rules)
+    notes = []
+    for gap in mapping.gaps:
+        looked = of_road and gap.begin <= end + mapping.horizon and begin <= gap.end
+        if looked and not any(one.cause == MAP and one.because == gap.because for one in said):
+            notes.append(
+                f"gaps: from {gap.begin:g} to {gap.end:g} s, no rule that was asked fires for that ({gap.because})"
+            )
+    for finding in mapping.findings:
+        what = f"findings: {finding.rule} from {finding.begin:g} to {finding.end:g} s"
+        if finding.rule != CONTRACT and finding.rule not in known:
+            help_ = close_matches(finding.rule, known)
+            notes.append(f"{what}: there is no such rule{f'; {help_}' if help_ else ''}")
+        elif finding.rule in {CONTRACT, *asked} and finding.begin <= end and begin <= finding.end:
+            answers = (finding.rule, finding.cause, finding.because)
+            if not any((one.rule, one.cause, one.because) == answers for one in said):
+                notes.append(f"{what}: it does not fire there, or for another cause ({finding.because})")
+    return notes
 
 
 def _breaches(drive: Drive, judged: Judgement, clean: Judgement | None) -> list[Firing]:

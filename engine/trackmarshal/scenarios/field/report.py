@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from trackmarshal.scenarios.field.build import Drive, standing_time
 from trackmarshal.scenarios.field.candidates import stretches
-from trackmarshal.scenarios.field.causes import CAUSES, Firing, firings
+from trackmarshal.scenarios.field.causes import CAUSES, Firing, firings, unheard
 from trackmarshal.scenarios.field.judged import Judgement
 from trackmarshal.scenarios.field.limits import Limit
 from trackmarshal.scenarios.field.smoother import Motion
@@ -67,6 +67,8 @@ class Report:
     begin: float
     end: float
     cycles: int
+    #: What there is to know of the log and of its mapping beside that.
+    notes: list[str]
 
 
 def report(
@@ -80,11 +82,13 @@ def report(
     begin, end = float(judged.times[0]), float(judged.times[-1])
     hours = (end - begin + 1.0 / drive.mapping.rate) / 3600.0
     km = _way(drive.motion, begin, end) / 1000.0
-    raw = None if logged is None else _rates(firings(*logged, judged), hours, km)
+    as_logged = [] if logged is None else firings(*logged, judged)
+    raw = None if logged is None else _rates(as_logged, hours, km)
+    notes = [*drive.recording.notes, *unheard(drive, judged, [*found, *as_logged])]
     margins, silent = _margins(judged, found)
     return Report(
         drive, hours, km, residuals(drive, begin, end), found, _rates(found, hours, km), raw, margins, silent, limits, begin, end,
-        len(judged.times),
+        len(judged.times), notes,
     )  # fmt: skip
 
 
@@ -171,7 +175,7 @@ def data(made: Report) -> dict[str, Any]:
     return {
         "format": FORMAT, "version": VERSION, "name": mapping.name,
         "log": {"path": drive.log.path, "sha256": drive.log.sha256, "origin": drive.log.origin},
-        "made_from": drive.sources, "notes": list(drive.recording.notes),
+        "made_from": drive.sources, "notes": made.notes,
         "from": made.begin, "to": made.end, "cycles": made.cycles, "rate": mapping.rate, "hours": made.hours, "km": made.km,
         "standing": standing_time(drive.motion), "smoother": drive.smoother, "noise": drive.noise.named(),
         "innovations": {name: float(value) for name, value in drive.motion.innovations.items()}, "residuals": made.residuals,
@@ -210,7 +214,7 @@ def text(made: Report, table: Any) -> Iterator[str]:
     yield (
         f"{made.drive.mapping.name}: {made.cycles} cycles from {made.begin:g} to {made.end:g} s: {made.hours:.4g} h, {made.km:.4g} km"
     )
-    yield from made.drive.recording.notes
+    yield from made.notes
     rows = [
         [name, *(f"{stats[key]:.3g}" for key in ("deviation", "p999", "most"))]
         for name, stats in made.residuals.items()
