@@ -1,3 +1,5 @@
+/* Formulas and counts along a course: what was driven, and what is planned. */
+
 /** What is said of a sample of a course; of a gap, nothing is known. */
 static inline tm_truth tm_unless_missed(uint64_t missing, tm_truth a) {
   const tm_truth said = {a.margin, a.sat, (missing == 0u) ? a.doubt : TM_NAN};

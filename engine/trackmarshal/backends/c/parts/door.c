@@ -1,3 +1,5 @@
+/* Faults of a cycle, as the door of a Supervisor finds them. */
+
 /** Add a fault to a decision; where there is no room, it is counted. */
 static void tm_add(tm_decision *out, tm_fault_name name, const char *signal, const char *field, size_t index) {
   if (out->reason_count < TM_MAX_REASONS) {

@@ -1,3 +1,5 @@
+/* What rules that look ahead say of cycles, as far as they are known: sure, or still to be hoped for. */
+
 /** What is known of one cycle, and will stay so. */
 static tm_known tm_known_now(tm_cases value) {
   const tm_known known = {value, true};

@@ -1,3 +1,5 @@
+/* Elements that may be absent, and are known again. */
+
 /** Who is known again, and who gets which place, of elements that may be absent: in `place` where something is remembered of each, or
     TM_NO_PLACE (it is new), TM_MAYBE_NEW (it may be one that found no place) or TM_WITHOUT; in `next` its place from now on. */
 static void tm_lives_begin(tm_life *life, size_t room, tm_lives *all, bool first, int64_t forget, int64_t now, const uint64_t *id, size_t count,

@@ -1,3 +1,5 @@
+/* Where a trajectory is at a time, and which place of its path is nearest: what the state machine of a Supervisor asks. */
+
 /** The last sample of a trajectory, whose times count from `stamp`, that is due by now, 0 before all. */
 static void tm_due_by(const double *t, size_t count, double stamp, double now, size_t *first) {
   *first = 0u;

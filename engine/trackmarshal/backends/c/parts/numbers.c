@@ -1,3 +1,5 @@
+/* Numbers as specs mean them: comparisons, extremes, functions, one number of many, tables. */
+
 /** Whether a number is finite. */
 static bool tm_finite(double x) {
   return fabs(x) <= DBL_MAX;

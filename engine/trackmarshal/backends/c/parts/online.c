@@ -1,3 +1,5 @@
+/* Temporal operators of monitors: a sample at a time. */
+
 /** The place of a sample in a ring. */
 static size_t tm_ring(size_t i) {
   return i % TM_MAX_ONLINE;

@@ -1,3 +1,5 @@
+/* Pairs of elements of which something is remembered. */
+
 /** The places of pairs of elements, of which each has one of its own, or TM_NO_PLACE: all seconds of a first one lie together. */
 static void tm_pairs_of(const size_t *first, size_t first_count, const size_t *second, size_t second_count, size_t room,
                         size_t place[][TM_MAX_ELEMENTS], size_t *parts) {

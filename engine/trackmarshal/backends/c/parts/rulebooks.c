@@ -1,3 +1,5 @@
+/* Violations of rules beside each other: which candidate is better. */
+
 /** The first number of a violation: 0 satisfied, inactive or open, 1 violated, 2 undefined, as is a verdict that is none. */
 static int tm_violation_grade(const tm_result *result) {
   int grade = 2;

@@ -1,3 +1,5 @@
+/* Operators over the run: steps and tallies of cycles, and the elements of which they are remembered. */
+
 /** What may be anything. */
 static tm_cases tm_unknown_any(void) {
   const tm_cases a = {-TM_INF, TM_INF, false, true};

@@ -1,3 +1,5 @@
+/* Temporal operators: one pass over a timeline that is all there. */
+
 /** Whether times are finite and strictly increase. */
 static bool tm_times(const double *t, size_t n) {
   for (size_t i = 0u; i < n; ++i) {

@@ -1,3 +1,5 @@
+/* Verdicts from the worst and the best case of a formula. */
+
 /** What a rule says where it has no value. */
 static void tm_undefined(tm_result *out) {
   out->verdict = TM_UNDEFINED;

@@ -1,3 +1,5 @@
+/* Signs of turns and meetings of segments, without rounding. */
+
 /** Add the two parts of a product, exactly, to a sum kept as parts that do not overlap. */
 static size_t tm_add_product(double *sum, size_t count, double a, double b) {
   const double split = 134217729.0; /* 2^27 + 1 */

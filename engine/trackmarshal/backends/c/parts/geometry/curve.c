@@ -1,3 +1,5 @@
+/* The way between two poses of given curvatures: cut into pieces, and how far it may be beyond them. */
+
 /** How far beyond the hull of both footprints a vehicle reaches that passes anywhere in the circle around the chord, and points anywhere
    between both headings [m]. */
 static double tm_at_random(const tm_curve *curve, double way, double corner) {
