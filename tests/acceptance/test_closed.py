@@ -26,7 +26,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ('FUNCTIONS: dict[FunctionName, Function] = {\n', 'FUNCTIONS: dict[FunctionName, Function] = {\n    "sinh": Function(1, _PLAIN, libm=True),\n'),
         ],
         {
-            "ir/arithmetic.py", "backends/numpy/steps.py", "backends/c/expressions.py", "reading/formulas.py", "reading/solving/algebra.py",
+            "ir/arithmetic.py", "backends/numpy/steps.py", "backends/c/functions/operators.py", "reading/formulas.py", "reading/solving/algebra.py",
             "semantics/bounds.py",
         },
     ),
@@ -34,7 +34,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         OPERATORS,
         [('ConnectiveOp = Literal["and", ', 'ConnectiveOp = Literal["nand", "and", ')],
         {
-            "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/expressions.py", "backends/over_run/hoping.py",
+            "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/functions/expressions.py", "backends/over_run/hoping.py",
             "backends/witness.py", "explaining/trail.py", "semantics/starting.py",
         },
     ),
@@ -45,7 +45,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ("    Const | Param | Column", "    Weight | Const | Param | Column"),
         ],
         {
-            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/expressions.py", "backends/c/layout.py",
+            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
             "backends/undefined.py", "ir/constants.py", "ir/reads.py", "semantics/bounds.py",
         },
     ),
@@ -56,7 +56,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ("    Truth | Flag | Compare", "    Sorcery | Truth | Flag | Compare"),
         ],
         {
-            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/expressions.py", "backends/c/layout.py",
+            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
             "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/bounds.py",
             "testing/moving.py",
         },

@@ -13,8 +13,8 @@ import pytest
 
 from support.agreement import compiled
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.functions.online import obstacle
 from trackmarshal.backends.c.monitoring import Monitors
-from trackmarshal.backends.c.online import obstacle
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 

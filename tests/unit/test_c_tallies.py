@@ -15,7 +15,7 @@ import pytest
 
 from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.build import compiler, small_library
-from trackmarshal.backends.c.rules import CASES, TALLY
+from trackmarshal.backends.c.functions.types import CASES, TALLY
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 

@@ -13,8 +13,8 @@ import pytest
 
 from trackmarshal.backends.c import build
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.functions.slots import assign
 from trackmarshal.backends.c.names import literal, written
-from trackmarshal.backends.c.slots import assign
 from trackmarshal.backends.c.tree.printing import WIDTH, expression, wrapped
 
 a, b, d = (c.Name(name) for name in ("a", "b", "d"))

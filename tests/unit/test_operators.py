@@ -13,7 +13,8 @@ import pytest
 
 from support.agreement import compiled
 from trackmarshal import typed
-from trackmarshal.backends.c import build, expressions, parts
+from trackmarshal.backends.c import build, parts
+from trackmarshal.backends.c.functions.operators import called
 from trackmarshal.backends.c.layout import layout
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import generate
@@ -116,7 +117,7 @@ def test_what_is_not_in_the_table_nobody_takes() -> None:
     odd = ir.Compare("<=", compare.left, ir.Func("sinh", compare.right.args), "1", compare.span)  # type: ignore
     with pytest.raises(AssertionError, match="sinh"):
         generate(spec, [changed(rule, odd)])
-    for function in (steps._function, arithmetic._function, expressions.called):
+    for function in (steps._function, arithmetic._function, called):
         with pytest.raises(AssertionError, match="sinh"):
             function("sinh")  # type: ignore[arg-type]
     nand = ir.Connective("nand", compare, compare)  # type: ignore[arg-type]
@@ -151,7 +152,7 @@ def test_a_function_is_compiled_as_a_call_of_libm_where_the_table_says_so() -> N
 
 def test_functions_of_our_own_are_there() -> None:
     for name in FUNCTIONS:
-        function, _ = expressions.called(name)
+        function, _ = called(name)
         assert not function.startswith("tm_") or function in parts.functions()
 
 

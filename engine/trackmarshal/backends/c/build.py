@@ -15,7 +15,7 @@ from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
 
-from trackmarshal.backends.c.expressions import called
+from trackmarshal.backends.c.functions.operators import called
 from trackmarshal.backends.c.glue import glue
 from trackmarshal.backends.c.source import Source
 from trackmarshal.cache import cache_folder

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 
+from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.layout import roots, shape_key
 from trackmarshal.backends.c.places import _make
-from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir import nodes as ir
 

@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.checks import text
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.functions.expressions import Expressions
 from trackmarshal.backends.c.interface import LIMITS, MARKS, declared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import initial as places
-from trackmarshal.backends.c.rules import finished
 from trackmarshal.ir.spec import ConstraintInfo, RuleInfo
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.machine import NO_EMERGENCY_YET
@@ -145,14 +144,14 @@ def _constraint(plan: Layout, number: int, constraint: ConstraintInfo) -> Iterat
     """A constraint as the rules are written; it holds where it surely does."""
     shown = " ".join(constraint.span.text.split("because")[0].split())
     rule = _as_rule(constraint)
-    writer = Writer(plan, [rule], False, [constraint.formula])
+    writer = Expressions(plan, [rule], False, [constraint.formula])
     writer.root.names.add("holds")
     value = writer.formula(writer.formulas[0], writer.root)
     if not isinstance(value, c.Name):
         value = writer.declare(writer.root, writer.type, value, "demand")
     surely = c.Unary("*", c.Name("holds"))
     writer.add(writer.root, c.Assign(surely, c.Member(value, "worst_sat", False)))
-    body, _ = finished(writer, ("context",))
+    body, _ = writer.finished(("context",))
     said = (f"{comment(shown)} {comment(str(constraint.span))}",)
     parameters = (("tm_context *", "context"), ("bool *", "holds"))
     yield from c.printed(c.Function(said, "void", f"tm_constraint_{number}", parameters, body))

@@ -9,12 +9,13 @@ from collections.abc import Sequence
 from trackmarshal.backends.c import interface, places
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.courses import counts_samples, longest
+from trackmarshal.backends.c.functions.online import TYPES, Monitor
+from trackmarshal.backends.c.functions.rules import RuleCode
+from trackmarshal.backends.c.functions.types import CASES
 from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment
-from trackmarshal.backends.c.online import TYPES, Monitor
 from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import CASES, RuleCode
 from trackmarshal.ir.spec import FieldType, Spec
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.units import parse_unit, show

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.backends.c.build import library
-from trackmarshal.backends.c.online import CAPACITY
+from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.source import generate
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec

@@ -7,16 +7,17 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from pathlib import Path
 
 from trackmarshal.backends.c import calls
+from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.expressions import called
+from trackmarshal.backends.c.functions.online import CAPACITY
+from trackmarshal.backends.c.functions.operators import called
 from trackmarshal.backends.c.header import CAPACITIES, capacities, default
-from trackmarshal.backends.c.online import CAPACITY
 from trackmarshal.backends.c.rulebooks import book_codes
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
@@ -170,7 +171,7 @@ def _lines(source: Source) -> Iterator[str]:
     yield "|---|---|---:|---|"
     for code in source.rules:
         total, loops = 0, []
-        for signals, count in code.operations:
+        for signals, count in _operations(code.counted.body, ()):
             times = 1
             for name in signals:
                 course = plan.courses.get(name)
@@ -198,3 +199,22 @@ def _lines(source: Source) -> Iterator[str]:
     for name, value in complexity(source).items():
         yield f"| `{name}` | {value} |" + (f" {usage.get(name, 'inlined')} |" if usage else "")
     yield ""
+
+
+def _operations(
+    body: Iterable[c.Statement], around: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], int]]:
+    own = 0
+    for item in body:
+        own += sum(
+            [1 for expr in c.expressions(item) for each in c.within(expr) if isinstance(each, _COMPUTED)]
+        )
+        if isinstance(item, c.For | c.If):
+            yield from _operations(
+                item.body, (*around, item.over) if isinstance(item, c.For) and item.over else around
+            )
+    yield around, own
+
+
+#: What the report counts as a value computed.
+_COMPUTED = (c.Call, c.Unary, c.Binary, c.Conditional, c.Element)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import RuleCode
 from trackmarshal.ir.spec import Spec
 from trackmarshal.rulebooks.order import Order, order
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.expressions import compared
+from trackmarshal.backends.c.functions.operators import compared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.future import Future, Operator, Table

@@ -10,14 +10,14 @@ from typing import Any
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.courses import counts_samples
 from trackmarshal.backends.c.courses import described as course
-from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.functions.expressions import Expressions
+from trackmarshal.backends.c.functions.types import CASES, TALLY
 from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment, identifier
 from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
 from trackmarshal.backends.c.over_run.pairs import Pairs
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.rules import CASES, TALLY, finished
 from trackmarshal.backends.over_run.machines import reached
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import parts, recalls
@@ -198,7 +198,7 @@ def remembering(plan: Layout, supervised: bool) -> list[str]:
     return [*found, render("program/over_run/remember.c.j2", given)]
 
 
-class _Noting(Writer):
+class _Noting(Expressions):
     """Operands as they are of what was driven: where nothing was, what reads it is not known."""
 
     _inside = False
@@ -247,8 +247,8 @@ def _note(plan: Layout) -> c.Function:
             values = [c.Address(writer.states(each.node, scope))]
         note = writer.call(f"tm_{each.c_name}_note", writer.name("context"), *place, *values)
         writer.add(scope, c.Evaluate(note))
-        _close(writer.root, scope)
-    body, _ = finished(writer, ("context", "in", "driven"))
+        scope.end(writer.root)
+    body, _ = writer.finished(("context", "in", "driven"))
     said = (
         "What operators over the run are about, and the states of machines, in the cycle that is about to be past.",
     )
@@ -271,24 +271,16 @@ def _settle(plan: Layout) -> c.Function:
             places = c.Member(future, f"{plan.input(axis.signal).c_name}_place", False)
             row = c.Element(row, c.Element(places, writer.index(axis, scope)))
         writer.add(scope, c.Assign(row, c.Call("tm_known_now", (writer.formula(node, scope),))))
-        _close(writer.root, scope)
+        scope.end(writer.root)
     for operator in plan.future.operators.values():
         if isinstance(operator.node, ir.Counted):
             limit = c.Element(c.Member(future, f"{operator.table.c_name}_limit", False), slot)
             writer.add(writer.root, c.Assign(limit, writer.number(operator.node.limit, writer.root, "limit")))
-    body, _ = finished(writer, ("context", "in", "driven"))
+    body, _ = writer.finished(("context", "in", "driven"))
     said = ("What is settled in the present cycle, for rules that look ahead.",)
     parameters = (("tm_context *", "context"), ("const tm_input *", "in"), ("bool ", "driven"))
     done = c.Evaluate(c.Unary("++", c.Member(future, "ready", False)))
     return c.Function(said, "void", "tm_settle", parameters, (*body, done))
-
-
-def _close(root: c.Scope, scope: c.Scope) -> None:
-    """End a scope and those around it, up to the root."""
-    while scope is not root:
-        assert scope.parent is not None
-        scope.parent.close(scope)
-        scope = scope.parent
 
 
 def _operands(each: Cell) -> tuple[ir.Formula, ...]:

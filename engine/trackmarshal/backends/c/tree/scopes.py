@@ -59,6 +59,14 @@ class Scope:
         if last is not inner:
             raise AssertionError("scopes end in the order in which they were opened, the last one first")
 
+    def end(self, outer: Scope) -> None:
+        """End this scope, and those around it that are in an outer one."""
+        scope = self
+        while scope is not outer:
+            assert scope.parent is not None
+            scope.parent.close(scope)
+            scope = scope.parent
+
     def chain(self) -> Iterator[Scope]:
         """This scope and those around it, the innermost first."""
         scope: Scope | None = self

@@ -9,10 +9,10 @@ from typing import assert_never
 
 from trackmarshal.backends.c import parts
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.expressions import Writer
+from trackmarshal.backends.c.functions.expressions import Expressions
+from trackmarshal.backends.c.functions.timelines import bound, operands_of, truth
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
-from trackmarshal.backends.c.timelines import bound, operands_of, truth
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -72,7 +72,7 @@ def _top(rule: RuleInfo) -> tuple[Extreme | None, ir.Formula]:
 _M = c.Name("monitor")
 
 
-class _OnlineWriter(Writer):
+class _OnlineWriter(Expressions):
     """Values at one sample: columns and operators' values come from the monitor's rings."""
 
     #: Where operators' values are: the streams of the worst and the best case.
