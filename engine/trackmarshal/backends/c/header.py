@@ -9,14 +9,14 @@ from collections.abc import Sequence
 from trackmarshal.backends.c import interface, places
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.courses import counts_samples, longest
-from trackmarshal.backends.c.functions.online import TYPES, Monitor
+from trackmarshal.backends.c.functions.online import CAPACITY, Monitor
 from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.functions.types import CASES
 from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.ir.spec import FieldType, Spec
+from trackmarshal.ir.spec import FieldType, ParamInfo, Spec
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.units import parse_unit, show
 
@@ -51,7 +51,7 @@ def header(
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
-        "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "monitor_types": TYPES,
+        "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "online": CAPACITY,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
         "rulebooks": rulebooks, "counted": counts_samples(root for rule in plan.rules for root in roots(rule)),
     }  # fmt: skip
@@ -129,10 +129,7 @@ def _params(plan: Layout) -> list[tuple[str, str]]:
     found = []
     for name, c_name in plan.params.items():
         info = plan.spec.params[name]
-        shown = comment(show(parse_unit(info.unit)[2]))
-        low = "" if info.lower is None else f", from {info.lower!r}"
-        high = "" if info.upper is None else f", to {info.upper!r}"
-        found.append((c_name, f"{shown}{low}{high}; {comment(name)} {comment(str(info.span))}"))
+        found.append((c_name, f"{_ranged(info)}; {comment(name)} {comment(str(info.span))}"))
     return found
 
 
@@ -147,10 +144,14 @@ def unit(info: FieldType) -> str:
         return "TM_TRUE, TM_FALSE, TM_MISSING"
     if info.enumeration is not None:
         return comment(", ".join(f"{place} {name}" for place, name in enumerate(info.enumeration.members)))
-    unit = comment(show(parse_unit(info.unit)[2]))
+    return f"{_ranged(info)}{', increasing' if info.increasing else ''}"
+
+
+def _ranged(info: FieldType | ParamInfo) -> str:
+    """A unit and the range of what is in it."""
     low = "" if info.lower is None else f", from {info.lower!r}"
     high = "" if info.upper is None else f", to {info.upper!r}"
-    return f"{unit}{low}{high}{', increasing' if info.increasing else ''}"
+    return f"{comment(show(parse_unit(info.unit)[2]))}{low}{high}"
 
 
 def along(plan: Layout) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -13,6 +12,7 @@ from trackmarshal.backends.c.functions.expressions import Expressions
 from trackmarshal.backends.c.functions.timelines import bound, operands_of, truth
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
+from trackmarshal.backends.c.rendering import render
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
@@ -32,9 +32,13 @@ class Monitor:
 
     rule: RuleInfo
     c_name: str
+    #: What a sample has.
     fields: tuple[tuple[FieldType, str], ...]
-    types: str
-    prototypes: str
+    #: How many operators it keeps, and of them, in its memory.
+    operators: int
+    streams: int
+    queues: int
+    stacks: int
     text: str
 
 
@@ -147,7 +151,6 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
     )  # fmt: skip
     time = plan.field_name(axis.signal, "t") if timed else ""
     streams, queues, stacks = 0, 0, 0
-    oldest: list[str] = []
     writer.add(writer.root, c.Declare("size_t", "have", c.Literal("0u"), False))
     for number, node in enumerate(nodes):
         operands = operands_of(node)
@@ -166,19 +169,18 @@ def monitor(plan: Layout, rule: RuleInfo) -> Monitor:
             flow = c.Address(_part("flow", 2 * number + side))
             step = _step(node, number, flow, kept, given, _stream(output[side]))
             writer.add(writer.root, c.Evaluate(step))
-        stays = "true" if isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None else "false"
-        oldest.append(f"tm_online_oldest(&m->flow[{2 * number}], {stays})")
         writer.streams[node] = output
         streams = output[1] + 1
     _results(writer, rule.formula, nodes, operand, over)
-    types = _types(rule, name, fields, streams, 2 * len(nodes), queues, stacks)
-    text = _functions(rule, name, fields, time, nodes, _advance(writer, rule, name), oldest, over)
-    prototypes = [
-        f"void tm_online_{name}_start(tm_online_{name} *m);",
-        f"bool tm_online_{name}_push(tm_context *c, tm_online_{name} *m, const tm_sample_{name} *sample);",
-        f"void tm_online_{name}_finish(tm_context *c, tm_online_{name} *m);",
-    ]
-    return Monitor(rule, name, fields, "\n".join(types), "\n".join(prototypes), "\n".join(text))
+    context = {
+        "rule": comment(rule.name), "name": name, "begin": f"tm_{'true' if over is Extreme.LEAST else 'false'}_any()", "flows": 2 * len(nodes),
+        "advance": "\n".join(c.printed(_advance(writer, rule, name))), "time": time, "fields": [c_name for _, c_name in fields],
+        "oldest": [
+            (number, isinstance(node, (ir.Temporal, ir.Until)) and node.upper is None) for number, node in enumerate(nodes)
+        ],
+    }  # fmt: skip
+    text = render("program/source/monitor.c.j2", context)
+    return Monitor(rule, name, fields, len(nodes), streams, queues, stacks, text)
 
 
 def _advance(writer: _OnlineWriter, rule: RuleInfo, name: str) -> c.Function:
@@ -298,120 +300,3 @@ def _verdict(over: Extreme | None) -> list[c.Statement]:
         decided, given = worst, [worst, c.Binary("||", c.Unary("!", finished), best)]
     said = c.Call("tm_decide", (c.Address(verdict), truth(False), *given, *margins))
     return [c.If(c.Binary("||", finished, decided), (c.Evaluate(said),))]
-
-
-def _types(
-    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], streams: int, flows: int, queues: int, stacks: int
-) -> Iterator[str]:  # fmt: skip
-    from trackmarshal.backends.c.header import unit
-
-    yield f"/* One sample for the monitor of {comment(rule.name)}. */"
-    yield "typedef struct {"
-    for info, c_name in fields:
-        yield f"  {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}; /* {unit(info)} */"
-    if not fields:
-        yield "  tm_flag unused;"
-    yield f"}} tm_sample_{name};"
-    yield ""
-    yield f"/* The monitor of {comment(rule.name)}: samples so far, those whose value is final (the last TM_MAX_ONLINE are kept, sample i at"
-    yield "   result[i % TM_MAX_ONLINE]), and the rule's verdict: open until it is decided. */"
-    yield "typedef struct {"
-    yield "  size_t count;\n  size_t done;\n  tm_result verdict;\n  bool finished;\n  bool broken; /* a sample did not fit, or numbers are not computed as they are written */"
-    yield "  tm_cases all; /* of the samples so far, where the rule is about all of them */"
-    if fields:
-        yield "  struct {"
-        for info, c_name in fields:
-            yield f"    {'tm_flag' if info.kind == 'bool' else 'double'} {c_name}[TM_MAX_ONLINE];"
-        yield "  } ring; /* the samples */"
-    yield "  tm_result result[TM_MAX_ONLINE];"
-    if flows:
-        yield f"  size_t given[{flows // 2}];\n  tm_flow flow[{flows}];\n  tm_stream stream[{streams}];"
-    if queues:
-        yield f"  double stamp[TM_MAX_ONLINE]; /* ns, whole */\n  tm_candidates queue[{queues}];"
-    if stacks:
-        yield f"  tm_stream stack[{stacks}];"
-    yield f"}} tm_online_{name};"
-    yield ""
-
-
-def _functions(
-    rule: RuleInfo, name: str, fields: tuple[tuple[FieldType, str], ...], time: str, nodes: list[ir.Timed], advance: c.Function,
-    oldest: list[str], over: Extreme | None,
-) -> Iterator[str]:  # fmt: skip
-    flows = 2 * len(nodes)
-    yield f"/* Begin a timeline of {comment(rule.name)}. */"
-    yield f"void tm_online_{name}_start(tm_online_{name} *m)"
-    yield "{"
-    yield "  m->count = 0u;\n  m->done = 0u;\n  m->finished = false;\n  m->broken = !tm_as_written(); /* as tm_check refuses then */"
-    yield "  m->verdict.verdict = m->broken ? TM_UNDEFINED : TM_OPEN;\n  m->verdict.margin = TM_NAN;"
-    yield f"  m->all = {'tm_true_any' if over is Extreme.LEAST else 'tm_false_any'}();"
-    if flows:
-        yield f"  for (size_t i = 0u; i < {flows}u; ++i) {{"
-        yield "    m->given[i / 2u] = 0u;"
-        for member in ("next", "begin", "end", "stop", "mid", "head", "tail", "decisive"):
-            yield f"    m->flow[i].{member} = 0u;"
-        yield "    tm_online_rest(&m->flow[i]);"
-        yield "  }"
-    yield "}"
-    yield ""
-    yield from c.printed(advance)
-    yield ""
-    yield f"/* The next sample of {comment(rule.name)}. False: its time does not increase, or more samples than TM_MAX_ONLINE are needed at once;"
-    yield "   nothing that is not final yet will be, the verdict is undefined. */"
-    yield f"bool tm_online_{name}_push(tm_context *c, tm_online_{name} *m, const tm_sample_{name} *sample)"
-    yield "{"
-    yield "  size_t needed = m->done;"
-    yield "  if (m->finished || m->broken) { return false; }"
-    for text in oldest:
-        yield f"  if ({text} < needed) {{ needed = {text}; }}"
-    yield "  m->broken = ((m->count - needed) + 2u) >= TM_MAX_ONLINE;"
-    if time:
-        last = f"m->ring.{time}[tm_ring(m->count - 1u)]"
-        yield f"  m->broken = m->broken || !tm_finite(sample->{time}) || ((m->count > 0u) && !({last} < sample->{time}));"
-    yield "  if (m->broken) {"
-    yield "    tm_undefined(&m->verdict);"
-    yield "    return false;"
-    yield "  }"
-    for _, c_name in fields:
-        yield f"  m->ring.{c_name}[tm_ring(m->count)] = sample->{c_name};"
-    if time:
-        yield f"  m->stamp[tm_ring(m->count)] = tm_stamp(sample->{time});"
-    if not fields:
-        yield "  (void)sample;"
-    yield "  ++m->count;"
-    yield f"  tm_online_{name}_advance(c, m);"
-    yield "  return true;"
-    yield "}"
-    yield ""
-    yield "/* No sample comes after this: windows end here. */"
-    yield f"void tm_online_{name}_finish(tm_context *c, tm_online_{name} *m)"
-    yield "{"
-    yield "  if (!m->broken) {"
-    yield "    m->finished = true;"
-    yield f"    tm_online_{name}_advance(c, m);"
-    yield "  }"
-    yield "}"
-    yield ""
-
-
-#: Types that all monitors share.
-TYPES = [
-    "/* Capacity: samples that a monitor holds; a power of two is fastest. */",
-    "#ifndef TM_MAX_ONLINE",
-    f"#define TM_MAX_ONLINE {CAPACITY}u",
-    "#endif",
-    "",
-    "/* A formula at the last samples of a timeline, sample i at [i % TM_MAX_ONLINE]. */",
-    "typedef struct {\n  double margin[TM_MAX_ONLINE];\n  bool sat[TM_MAX_ONLINE];\n} tm_stream;",
-    "",
-    "/* Samples that may decide a window. */",
-    "typedef struct {\n  size_t index[TM_MAX_ONLINE];\n  double key[TM_MAX_ONLINE];\n} tm_candidates;",
-    "",
-    "/* How far an operator has come: the next sample to be decided, its window, its queue of candidates. */",
-    "typedef struct {",
-    *(f"  size_t {name};" for name in ("next", "begin", "end", "stop", "mid", "head", "tail")),
-    "  size_t decisive; /* samples that fail, or that hold */",
-    "  double rest_goal;\n  double rest_hold;\n  bool rest_goal_sat;\n  bool rest_hold_sat;",
-    "} tm_flow;",
-    "",
-]  # fmt: skip
