@@ -37,7 +37,9 @@ def _simple(plan: Layout, node: ir.Quantify) -> bool:
     if axis.kind != "samples" or axis.signal in plan.courses:
         return False
     if node.guard is not None and is_true(node.body):
-        asked = [node.guard] if node.extreme is Extreme.GREATEST else []
+        if node.extreme is Extreme.LEAST:
+            return False  # it asks nothing
+        asked = [node.guard]
     else:
         asked = [node.body] if node.guard is None else [node.guard, node.body]
     differs = any(axis in plan.facts.free(each) for each in asked)
