@@ -15,6 +15,7 @@ from property.test_course import PLACES, SIGNALS, Cycle, cycles, formulas, text
 from support.length import AT_LENGTH
 from trackmarshal.backends.c import program
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.library import Library
 from trackmarshal.evaluation import Evaluator, loads
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -28,7 +29,7 @@ _SETTINGS = settings(
 )  # fmt: skip
 
 
-class Used(program.Library):
+class Used(Library):
     """A context in memory that is full of something."""
 
     def __init__(self, *given: Any) -> None:

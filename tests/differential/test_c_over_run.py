@@ -18,7 +18,8 @@ from support import run_pairs
 from support.length import AT_LENGTH, amount, at_length
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.backends.c import program
-from trackmarshal.backends.c.program import CProgram, Library
+from trackmarshal.backends.c.library import Library
+from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import Source
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError

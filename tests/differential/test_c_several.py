@@ -71,7 +71,7 @@ def test_says_what_the_reference_says(several: int, monkeypatch: pytest.MonkeyPa
         assert "tm_put_where(" in source.source
         return build.library(source, {**capacities, "TM_SEVERAL": several})
 
-    monkeypatch.setattr("trackmarshal.backends.c.program.library", library)
+    monkeypatch.setattr("trackmarshal.backends.c.library.library", library)
     spec = compiled(SPEC)
     frames = read(spec, list(cases()))
     assert len(frames) > 150

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from trackmarshal.backends.c.said import Said
 from trackmarshal.backends.c.source import Source, generate
-from trackmarshal.backends.c.step import Said, Stepper
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.door.lines import line

@@ -10,8 +10,9 @@ from typing import Any
 from trackmarshal.backends.c.binding import HEAD
 from trackmarshal.backends.c.glue import glue
 from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.said import Said
 from trackmarshal.backends.c.source import Source
-from trackmarshal.backends.c.step import Said, Stepper
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.runtime.frame import Columns
 from trackmarshal.runtime.lines import Line
 

@@ -17,8 +17,9 @@ from support.si_cycles import Driver, program
 from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.parts import functions
+from trackmarshal.backends.c.said import Said
 from trackmarshal.backends.c.source import Source
-from trackmarshal.backends.c.step import Said, Stepper
+from trackmarshal.backends.c.step import Stepper
 
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-4")]
 

@@ -6,7 +6,7 @@ import re
 
 from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.layout import roots, shape_key
-from trackmarshal.backends.c.places import _make
+from trackmarshal.backends.c.setters import make
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir import nodes as ir
 
@@ -59,7 +59,7 @@ def _libm(source: Source, graph: dict[str, set[str]], code: RuleCode) -> set[str
     for root in roots(code.rule):
         for node in ir.below(root):
             if isinstance(node, ir.Line | ir.Area | ir.OnLane) and shape_key(node) in source.plan.shapes:
-                begun.append(_make(source.plan.shape(node)).partition("(")[0])
+                begun.append(make(source.plan.shape(node)).partition("(")[0])
     missing = [name for name in begun if name not in graph]
     if missing:
         raise AssertionError(f"{', '.join(missing)} not found in the generated code")

@@ -14,7 +14,7 @@ from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, dige
 from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment, distinct
-from trackmarshal.backends.c.places import _bordered, _setters, is_lanes, sources
+from trackmarshal.backends.c.places import bordered, is_lanes, setter_names, sources
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir.spec import FieldType
@@ -109,9 +109,9 @@ def _columns(signal: Signal, item: Input, c_name: str, member: str) -> dict[str,
 
 def _constant(source: Source) -> dict[str, Any]:
     plan = source.plan
-    setters = _setters(plan)
+    setters = setter_names(plan)
     places = [
-        ({"setter": setters[name], "name": _text(name), "lanes": is_lanes(plan, name)}, _bordered(plan, name))
+        ({"setter": setters[name], "name": _text(name), "lanes": is_lanes(plan, name)}, bordered(plan, name))
         for name in sources(plan)
     ]
     inputs = list(plan.inputs.values())

@@ -8,8 +8,8 @@ from typing import Any
 from trackmarshal.backends.c import parts
 from trackmarshal.backends.c.binding import glue as supervised
 from trackmarshal.backends.c.functions.online import Monitor
-from trackmarshal.backends.c.places import glue as places
 from trackmarshal.backends.c.rendering import render
+from trackmarshal.backends.c.setters import glue as places
 from trackmarshal.backends.c.source import Source
 
 

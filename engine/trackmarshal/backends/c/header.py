@@ -6,7 +6,8 @@ import hashlib
 import re
 from collections.abc import Sequence
 
-from trackmarshal.backends.c import interface, places
+from trackmarshal.backends.c import interface, places, setters
+from trackmarshal.backends.c.capacities import CAPACITIES, capacities, stated
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.courses import counts_samples, longest
 from trackmarshal.backends.c.functions.online import CAPACITY, Monitor
@@ -16,22 +17,8 @@ from trackmarshal.backends.c.layout import Input, Layout, roots
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.ir.spec import FieldType, ParamInfo, Spec
-from trackmarshal.runtime.cycle import Limits
+from trackmarshal.ir.spec import FieldType, ParamInfo
 from trackmarshal.units import parse_unit, show
-
-#: Capacities: macro -> (default, what it bounds). A spec may declare others: see `default`.
-CAPACITIES = {
-    "TM_MAX_SAMPLES": (128, "samples of a timeline"),
-    "TM_MAX_ELEMENTS": (32, "elements of a set"),
-    "TM_MAX_BORDER": (2048, "points of a border, or of a line that is a signal"),
-    "TM_MAX_PLACE": (64, "points of a zone or line of the spec"),
-    "TM_MAX_KNOTS": (64, "rows of a table"),
-    "TM_MAX_RATE": (
-        50,
-        "cycles in a second that windows over the run have room for; of more, what rules remember is not known",
-    ),
-}
 
 
 def header(
@@ -47,11 +34,11 @@ def header(
     begins, end = places.firsts(plan)
     context = {
         "guard": f"TM_{name.upper()}_H", "plan": plan, "given": supervised, "series": series, "monitors": monitors,
-        "along": along(plan), "capacities": [(macro, _capacity(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
+        "along": along(plan), "capacities": [(macro, stated(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
-        "places": list(places.prototypes(plan, supervised is not None)), "cases": CASES, "online": CAPACITY,
+        "places": list(setters.prototypes(plan, supervised is not None)), "cases": CASES, "online": CAPACITY,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
         "rulebooks": rulebooks, "counted": counts_samples(root for rule in plan.rules for root in roots(rule)),
     }  # fmt: skip
@@ -66,56 +53,6 @@ def numbered(text: str, source: str, name: str) -> str:
     own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b'
     number = hashlib.sha256(re.sub(own, "", text + source, flags=re.DOTALL).encode()).hexdigest()[:8]
     return text.replace("#define TM_PROGRAM 0x0ul\n", f"#define TM_PROGRAM 0x{number}ul\n")
-
-
-#: Capacities that are limits of a Supervisor, by their names there.
-_LIMITS = {
-    "TM_MAX_SAMPLES": "samples", "TM_MAX_ELEMENTS": "elements", "TM_MAX_BORDER": "border", "TM_MAX_RATE": "rate",
-}  # fmt: skip
-
-
-def default(macro: str, spec: Spec) -> int:
-    """A capacity as the spec declares it, or as it is by default."""
-    if macro == "TM_MAX_ELEMENTS":
-        return elements(spec, Limits.of(spec).elements)
-    return getattr(Limits.of(spec), _LIMITS[macro]) if macro in _LIMITS else CAPACITIES[macro][0]
-
-
-def elements(spec: Spec, limit: int) -> int:
-    """The most elements of any set: those that are declared, and the limit of sets that declare none."""
-    sets = [signal for signal in spec.signals.values() if signal.many]
-    return max((limit if signal.capacity is None else signal.capacity for signal in sets), default=limit)
-
-
-def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
-    """The capacities that a program has."""
-    found = []
-    inputs = [
-        item.signal for item in plan.inputs.values() if item.signal is not None and item.kind == "columns"
-    ]
-    if any(signal.sequence for signal in inputs):
-        found.append("TM_MAX_SAMPLES")
-    if any(not signal.sequence for signal in inputs):
-        found.append("TM_MAX_ELEMENTS")
-    kinds = {shape.kind for shape in plan.shapes.values()}
-    if kinds & {"corridor", "centre", "signal"} or (supervised is not None and supervised.borders):
-        found.append("TM_MAX_BORDER")
-    if kinds & {"zone", "place"}:
-        found.append("TM_MAX_PLACE")
-    if plan.tables:
-        found.append("TM_MAX_KNOTS")
-    if plan.future.rules or plan.courses or any(each.kind != "previous" for each in plan.kept.values()):
-        found.append("TM_MAX_RATE")
-    return found
-
-
-def _capacity(macro: str, plan: Layout) -> int:
-    value = default(macro, plan.spec)
-    if macro == "TM_MAX_KNOTS":
-        return max(value, *(len(plan.spec.tables[table].knots) for table in plan.tables))
-    if macro == "TM_MAX_PLACE":
-        return max(value, *(len(place.points) for place in plan.spec.places.values()))
-    return value
 
 
 def _about(code: RuleCode) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from trackmarshal.backends.c.checks import breach, condition
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.names import comment
-from trackmarshal.backends.c.places import setter
+from trackmarshal.backends.c.places import setter_names
 from trackmarshal.runtime.contract import Signal
 from trackmarshal.runtime.door.lines import NOWHERE
 from trackmarshal.runtime.frame import Columns
@@ -74,9 +74,7 @@ def lanes_of(given: Supervised, signal: Signal) -> Iterator[str]:
         for side in ("left", "right")
     )
     yield f"        if (!(kept->set && {again})) {{"
-    made = (
-        f"{setter(given.layout, signal.name)}(c, i, left->points, left->count, right->points, right->count)"
-    )
+    made = f"{setter_names(given.layout)[signal.name]}(c, i, left->points, left->count, right->points, right->count)"
     yield f"          const tm_status status = {made};"
     yield f"          kept->bad = (status != TM_UNSUPPORTED) && !{region};"
     for side in ("left", "right"):

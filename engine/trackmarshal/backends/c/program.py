@@ -11,14 +11,12 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from trackmarshal.backends.c.build import library
-from trackmarshal.backends.c.courses import bytes_of_courses
+from trackmarshal.backends.c.capacities import capacities
 from trackmarshal.backends.c.glue import Flat, flat
-from trackmarshal.backends.c.header import CAPACITIES, capacities, default
-from trackmarshal.backends.c.over_run.cells import bytes_of_pairs, bytes_of_rate
+from trackmarshal.backends.c.library import Library, Result, fitting
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
-from trackmarshal.backends.c.places import PlaceSetter, bytes_of_lanes, lanes
-from trackmarshal.backends.c.source import Source, generated
+from trackmarshal.backends.c.placing import PlaceSetter
+from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.over_run.lives import Without
@@ -28,76 +26,6 @@ from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import Rated
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
-
-#: Sizes that programs are compiled with. Series cost memory for every sample, bounds of loops do not.
-_CLASSES = (256, 4096, 65536, 1 << 20, 1 << 24)
-_FREE = 1 << 24
-#: Cycles in a second that windows have room for where nobody says how fast they come, and the bytes that they may take.
-_RATE, _BYTES = 1000, 256 << 20
-
-
-class Library:
-    """One compiled program with a context: what the binding exports, typed."""
-
-    def __init__(self, source: Source, sizes: dict[str, int]) -> None:
-        self.sizes = sizes
-        self.dll = ctypes.CDLL(str(library(source, sizes)))
-        size, pointer, number = ctypes.c_size_t, ctypes.c_void_p, ctypes.c_double
-        self.dll.tmg_size.restype = size
-        for name, kinds in {
-            "tmg_init": [pointer],
-            "tmg_set_param": [pointer, size, number],
-            "tmg_set_table": [pointer, size, pointer, pointer, size],
-            "tmg_set_place": [pointer, size, pointer, size, pointer, size, ctypes.c_int],
-            "tmg_run": [pointer, size, pointer, pointer, pointer, pointer, pointer, pointer],
-            "tmg_along": [pointer, size, pointer, pointer, pointer, pointer, pointer],
-        }.items():
-            getattr(self.dll, name).argtypes = kinds
-            getattr(self.dll, name).restype = ctypes.c_int
-        if source.plan.remembers:
-            self.dll.tmg_remember.argtypes = [*[pointer] * 5, ctypes.c_int]
-            self.dll.tmg_missed.argtypes = [pointer, ctypes.c_uint64]
-            self.dll.tmg_remembered.restype = self.dll.tmg_remembered_size.restype = size
-        if source.plan.lasting:
-            self.dll.tmg_without.argtypes = [pointer, size, size]
-        if lanes(source.plan):
-            self.dll.tmg_set_lane.argtypes = [pointer, size, size, pointer, size, pointer, size]
-        if source.plan.future.rules:
-            self.dll.tmg_oldest.argtypes = self.dll.tmg_present.argtypes = self.dll.tmg_end.argtypes = [
-                pointer
-            ]
-            self.dll.tmg_oldest.restype = self.dll.tmg_present.restype = ctypes.c_uint64
-            self.dll.tmg_about.argtypes = [pointer, size, ctypes.c_int, *[pointer] * 4]
-            self.dll.tmg_about.restype = self.dll.tmg_room.restype = size
-        bytes_ = self.dll.tmg_size()
-        self._memory = ctypes.create_string_buffer(bytes_ + 64)
-        self.context = (ctypes.addressof(self._memory) + 63) & ~63
-        self.status = self.dll.tmg_init(self.context)
-
-    def take_over(self, other: Library) -> None:
-        """Remember what another one does, of the same rules. Raises TrackmarshalError E473 where that is of another size."""
-        size = self.dll.tmg_remembered_size()
-        if size != other.dll.tmg_remembered_size():
-            raise TrackmarshalError(
-                "E473",
-                "more elements come in the middle of a run than memory was made for",
-                help="raise the limit `elements`",
-            )
-        start = self.dll.tmg_remembered()
-        ctypes.memmove(self.context + start, other.context + other.dll.tmg_remembered(), size)
-
-
-class _Result(ctypes.Structure):
-    """A `tm_result`."""
-
-    _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
-
-
-def _too_many_pairs() -> TrackmarshalError:
-    return TrackmarshalError(
-        "E473", f"what is remembered of pairs of elements takes more than {_BYTES >> 20} MiB",
-        help="give the sets a smaller `capacity`, or choose another backend",
-    )  # fmt: skip
 
 
 def _refused(case: Frame, status: int) -> TrackmarshalError:
@@ -189,16 +117,7 @@ class CProgram(Stateless):
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
             return have
-        sizes = {name: self._size(name, wanted[name], elements) for name in self._kinds}
-        if have is not None:
-            sizes = {name: max(size, have.sizes[name]) for name, size in sizes.items()}
-        if bytes_of_lanes(self.source.plan, sizes) > _BYTES:
-            raise TrackmarshalError(
-                "E473", f"lanes take more than {_BYTES >> 20} MiB", help="choose another backend"
-            )
-        if bytes_of_pairs(self.source.plan.kept.values(), sizes.get("TM_MAX_ELEMENTS", 0)) > _BYTES:
-            raise _too_many_pairs()
-        self._library = Library(self.source, sizes)
+        self._library = Library(self.source, fitting(self.source, wanted, have))
         if have is not None and self.order.timed:
             self._library.take_over(have)
         self._changed.clear()
@@ -209,42 +128,6 @@ class CProgram(Stateless):
         """Put the spec's own parameters and tables back."""
         self._override(NO_SETTINGS, lib, self._changed)
         self._changed.clear()
-
-    def _size(self, name: str, wanted: int, came: int) -> int:
-        """A capacity that holds so much; came: how many elements come."""
-        if name == "TM_MAX_RATE":
-            plan, elements = self.source.plan, default("TM_MAX_ELEMENTS", self.spec)
-            each = bytes_of_rate(plan.kept.values(), elements, max(elements, came))
-            each += plan.future.bytes_of_rate(elements)
-            each += bytes_of_courses(plan.courses.values(), self.source.series)
-            if each * default(name, self.spec) > _BYTES:
-                raise TrackmarshalError(
-                    "E473",
-                    f"windows of rules over the run take more than {_BYTES >> 20} MiB",
-                    help="choose another backend",
-                )
-            return int(min(_RATE, _BYTES / max(each, 1.0)))
-        if name == "TM_MAX_ELEMENTS" and (self.source.plan.named or lanes(self.source.plan)):
-            return max(wanted, default(name, self.spec))
-        if name == "TM_MAX_ELEMENTS" or (
-            name == "TM_MAX_SAMPLES" and not self.source.series and not self.source.plan.courses
-        ):
-            return _FREE
-        least = max(wanted, 256)
-        if name == "TM_MAX_KNOTS":
-            least = max(
-                wanted, CAPACITIES[name][0], *(len(self.spec.tables[table].knots) for table in self._tables)
-            )
-        if name == "TM_MAX_BORDER" and not lanes(self.source.plan):  # there is one for each lane
-            least = max(wanted, CAPACITIES[name][0])
-        if name == "TM_MAX_PLACE":
-            least = max(wanted, *(len(p.points) for p in self.spec.places.values()))
-        for size in _CLASSES:
-            if size >= least:
-                return size
-        raise TrackmarshalError(
-            "E473", f"{wanted} is more than the {_CLASSES[-1]} that generated programs hold"
-        )
 
     def anew(self) -> CProgram:
         """The same program, which remembers nothing yet."""
@@ -324,7 +207,7 @@ class CProgram(Stateless):
         """Verdict and margin of a rule's formula at every sample of its timeline."""
         assert rule.along is not None
         lib, (counts, columns, numbers, flags, *_) = self._prepared(case)
-        found = (_Result * case.count(rule.along.signal))()
+        found = (Result * case.count(rule.along.signal))()
         status = lib.dll.tmg_along(lib.context, self.number(rule), counts, columns, numbers, flags, found)
         if status != 0:
             raise _refused(case, status)

@@ -14,10 +14,10 @@ from pathlib import Path
 from trackmarshal.backends.c import calls
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.build import EXACT, library
+from trackmarshal.backends.c.capacities import CAPACITIES, capacities, default
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.functions.operators import called
-from trackmarshal.backends.c.header import CAPACITIES, capacities, default
 from trackmarshal.backends.c.rulebooks import book_codes
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError

@@ -22,9 +22,10 @@ from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout, roots
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.over_run.writing import joining, recalling, remembering
-from trackmarshal.backends.c.places import calls, initial, own_places, setters
+from trackmarshal.backends.c.places import initial, own_places
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, declared, defined
+from trackmarshal.backends.c.setters import calls, setters
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec

@@ -6,131 +6,34 @@ import ctypes
 import struct
 from array import array
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.binding import SAID, Words, words
+from trackmarshal.backends.c.binding import SAID, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.calling import Calling
-from trackmarshal.backends.c.header import CAPACITIES, capacities, elements
+from trackmarshal.backends.c.capacities import capacities, of_limits
 from trackmarshal.backends.c.interface import FAULT_NAMES, LASTING, LIMITS, in_force
 from trackmarshal.backends.c.lanes import Lanes, as_many
+from trackmarshal.backends.c.library import aligned
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
+from trackmarshal.backends.c.said import NO_INDEX, CFault, CReason, Floats, Reason, Said
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.door.lines import NOWHERE
 from trackmarshal.runtime.frame import Arena, Columns
 from trackmarshal.runtime.lines import Line
 
-Floats = NDArray[np.float64]
 #: Statuses of a configuration by number, those that can be.
 STATUSES = {3: "unusable", 5: "limit", 6: "parameter", 7: "table", 8: "constraint"}
-_NOWHERE = ctypes.c_size_t(-1).value
 #: The address of nothing in particular, where something is said to be.
 _NOTHING = ctypes.c_double()
 _SOMEWHERE = ctypes.addressof(_NOTHING)
 #: What a context may take.
 _MOST_BYTES = 1 << 30
-
-
-@dataclass(frozen=True, slots=True)
-class Reason:
-    """A fault (`rule` None) by its name and place, or a rule's number with the candidate."""
-
-    name: str
-    signal: str
-    field: str
-    index: int | None
-    rule: int | None
-    candidate: int
-    lost: bool
-
-
-class Said(NamedTuple):
-    """A decision as C gives it; see tm_decision in the header. verdicts, margins: (2, rules), driving first."""
-
-    serial: int
-    state: int
-    safe: int
-    driven: int
-    first: int
-    driven_number: int
-    driven_t: float
-    stored: int
-    stored_number: int
-    stored_t: float
-    lost: int
-    now: float
-    finished: float
-    valid_until: float
-    judged: int
-    fault_count: int
-    reason_count: int
-    more: int
-
-
-class _Fault(ctypes.Structure):
-    """A `tm_fault`."""
-
-    _fields_ = [
-        ("name", ctypes.c_int),
-        ("signal", ctypes.c_char_p),
-        ("field", ctypes.c_char_p),
-        ("index", ctypes.c_size_t),
-    ]
-
-
-class _Result(ctypes.Structure):
-    """A `tm_result`."""
-
-    _fields_ = [("margin", ctypes.c_double), ("verdict", ctypes.c_int)]
-
-
-class _Reason(ctypes.Structure):
-    """A `tm_reason`."""
-
-    _fields_ = [
-        ("kind", ctypes.c_int),
-        ("fault", _Fault),
-        ("rule", ctypes.c_size_t),
-        ("candidate", ctypes.c_int),
-        ("result", _Result),
-    ]
-
-
-class Stepping(Protocol):
-    """What takes steps, here or in another process; see `Stepper`."""
-
-    words: Words
-    margins: Floats
-    verdicts: NDArray[np.int8]
-    #: Whether no columns are wanted where there is an arena.
-    takes_arenas: bool
-
-    def step(
-        self, number: int | None, t: float | None, now: float, columns: Sequence[Columns | None], lines: Sequence[Line],
-        closed: Sequence[bool] = (), events: Sequence[int] = (), found: Sequence[tuple[str, str, str, int | None]] = (),
-        arena: Arena | None = None, lanes: Sequence[Lanes] = (),
-    ) -> Said: ...  # fmt: skip
-
-    def none_came(self, now: float, found: Sequence[tuple[str, str, str, int | None]] = ()) -> Said: ...
-
-    def nothing(self) -> Said: ...
-
-    def reasons(self, said: Said) -> list[Reason]: ...
-
-    @property
-    def taken(self) -> int: ...
-
-    @property
-    def serial(self) -> Sequence[int]: ...
-
-    @staticmethod
-    def lost(said: Said) -> str: ...
 
 
 class Stepper:
@@ -152,7 +55,8 @@ class Stepper:
         self.source = source
         self.words = words(given)
         knots = max((len(rows[0]) for rows in (tables or {}).values()), default=0)
-        self.sizes = self._sizes(source, limits, knots)
+        declared = of_limits(source.plan.spec, limits, knots)
+        self.sizes = {name: declared[name] for name in capacities(source.plan, given)}
         #: The library that it is in.
         self.path = path = library(source, self.sizes)
         #: Which program this is: its name has the hash of its source and of its code.
@@ -166,7 +70,7 @@ class Stepper:
             ("tmg_step", [pointer], None),
         ):  # fmt: skip
             getattr(dll, name).argtypes, getattr(dll, name).restype = kinds, result
-        if dll.tmg_reason_size() != ctypes.sizeof(_Reason):
+        if dll.tmg_reason_size() != ctypes.sizeof(CReason):
             raise AssertionError("the compiler lays structs out differently than ctypes")
         if dll.tmg_size() > _MOST_BYTES:
             raise TrackmarshalError(
@@ -174,11 +78,9 @@ class Stepper:
                 f"the context takes {dll.tmg_size() >> 20} MiB, more than {_MOST_BYTES >> 20}",
                 help="lower the limits, or shorten windows",
             )
-        self._memory = ctypes.create_string_buffer(dll.tmg_size() + 64)
-        self.context = (ctypes.addressof(self._memory) + 63) & ~63
+        self._memory, self.context = aligned(dll.tmg_size())
         self._place = self.context - ctypes.addressof(self._memory)
-        self._decision = ctypes.create_string_buffer(dll.tmg_decision_size() + 64)
-        decision = (ctypes.addressof(self._decision) + 63) & ~63
+        self._decision, decision = aligned(dll.tmg_decision_size())
         self._reasons = decision + dll.tmg_reasons()
         self._head, self._middle, self._tail = map(struct.Struct, self.words.formats)
         #: All words of a cycle.
@@ -231,23 +133,6 @@ class Stepper:
         self.serial = memoryview(self._memory).cast("B")[self._place + at :][:8].cast("Q")
         dll.tmg_init(self.context)
         self._configure(limits, params or {}, tables or {})
-
-    @staticmethod
-    def _sizes(source: Source, limits: Mapping[str, float], knots: int) -> dict[str, int]:
-        spec = source.plan.spec
-        declared = {
-            "TM_MAX_SAMPLES": int(limits["samples"]),
-            "TM_MAX_ELEMENTS": elements(spec, int(limits["elements"])),
-            "TM_MAX_BORDER": int(limits["border"]),
-            "TM_MAX_RATE": int(limits["rate"]),
-            "TM_MAX_PLACE": max(
-                CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0
-            ),
-            "TM_MAX_KNOTS": max(
-                CAPACITIES["TM_MAX_KNOTS"][0], knots, *(len(t.knots) for t in spec.tables.values()), 0
-            ),
-        }
-        return {name: declared[name] for name in capacities(source.plan, source.supervised)}
 
     def _configure(
         self,
@@ -427,11 +312,11 @@ class Stepper:
 
     def reasons(self, said: Said) -> list[Reason]:
         """Why the cycle of the last step is not safe."""
-        listed = (_Reason * said.reason_count).from_address(self._reasons)
+        listed = (CReason * said.reason_count).from_address(self._reasons)
         result = []
         for one in listed:
             found = one.fault
-            index = None if found.index == _NOWHERE else int(found.index)
+            index = None if found.index == NO_INDEX else int(found.index)
             rule = int(one.rule) if one.kind == 1 else None
             signal, field = (found.signal or b"").decode(), (found.field or b"").decode()
             result.append(
@@ -480,10 +365,10 @@ class Stepper:
     def _found(found: Sequence[tuple[str, str, str, int | None]], given: list[Any]) -> Any:
         """Faults as C reads them; they live as long as what is returned."""
         texts = [(signal.encode(), field.encode()) for _, signal, field, _ in found]
-        listed = (_Fault * len(found))()
+        listed = (CFault * len(found))()
         for place, ((name, _, _, index), (signal, field)) in enumerate(zip(found, texts)):
-            listed[place] = _Fault(
-                FAULT_NAMES.index(name), signal, field, _NOWHERE if index is None else index
+            listed[place] = CFault(
+                FAULT_NAMES.index(name), signal, field, NO_INDEX if index is None else index
             )
         given[6:8] = (ctypes.addressof(listed), len(found))
         return listed, texts

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
-
-import numpy as np
 
 from trackmarshal.backends.c.calling.quick import Quick, Slowly
 from trackmarshal.backends.c.gather import Gathered, fastest
 from trackmarshal.backends.c.over_run.explaining import Explaining
+from trackmarshal.backends.c.rated import BothRated
+from trackmarshal.backends.c.said import Reason, Said, Stepping
 from trackmarshal.backends.c.saving import loaded, pieces, words
 from trackmarshal.backends.c.source import Source, generated
-from trackmarshal.backends.c.step import Reason, Said, Stepper, Stepping
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.backends.c.words import Wording
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -30,7 +30,7 @@ from trackmarshal.runtime.faults import NAMES, Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.program import Copied, Judged, Rated, advisory
+from trackmarshal.runtime.program import Judged, advisory
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
 from trackmarshal.runtime.supervisor import (
     OfOneRun,
@@ -42,55 +42,10 @@ from trackmarshal.runtime.supervisor import (
     named_rules,
     overlapping,
 )
-from trackmarshal.runtime.verdict import VERDICTS, RuleResult
+from trackmarshal.runtime.verdict import VERDICTS
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
 _NOTHING, _THIS, _STORED = range(3)
-
-
-class _Said(Copied):
-    """What C said of both candidates, taken apart when somebody asks: of most cycles, nobody does."""
-
-    __slots__ = ("advisory", "both", "copied", "explaining", "frame")
-
-    both: dict[str, Rated]
-
-    def __init__(self, explaining: Explaining, advisory: frozenset[int], frame: Frame, copied: bytes) -> None:
-        """copied: margins and verdicts of both as they stand in memory."""
-        self.explaining, self.advisory, self.frame, self.copied = explaining, advisory, frame, copied
-
-    def __getattr__(self, name: str) -> Any:
-        """What is made when somebody asks for it (quick.c makes no more than __init__)."""
-        if name == "both":
-            self.both = {one: self._rated(place, one) for place, one in enumerate((DRIVING, EMERGENCY))}
-        elif name in ("margins", "verdicts"):
-            margins = len(self.copied) // 18 * 16
-            self.margins, self.verdicts = self.copied[:margins], self.copied[margins:]
-        else:
-            raise AttributeError(name)
-        return getattr(self, name)
-
-    def __getitem__(self, name: str) -> Rated:
-        return self.both[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter((DRIVING, EMERGENCY))
-
-    def __len__(self) -> int:
-        return 2
-
-    def _rated(self, place: int, candidate: str) -> Rated:
-        count = len(self.verdicts) // 2
-        verdicts = self.verdicts[place * count : (place + 1) * count]
-        margins = np.frombuffer(self.margins, dtype=np.float64)[place * count : (place + 1) * count]
-        explain = partial(_explain, self.explaining, self.frame, candidate, verdicts, margins)
-        return Rated(verdicts, margins, explain, self.advisory)
-
-
-def _explain(
-    explaining: Explaining, frame: Frame, candidate: str, verdicts: bytes, margins: Any, number: int, series: bool = False
-) -> RuleResult:  # fmt: skip
-    return explaining.of(frame.of(candidate), verdicts, margins)(number, series)
 
 
 class CSupervisor(OfOneRun):
@@ -306,7 +261,7 @@ class CSupervisor(OfOneRun):
         stepper, reader = self.stepper, self._reader.at_once
         if isinstance(stepper, Stepper) and stepper.takes_arenas and isinstance(reader, Gathered):
             with suppress(TrackmarshalError, OSError):
-                return Quick(reader, stepper, _Said, self._explaining, self._advisory)
+                return Quick(reader, stepper, BothRated, self._explaining, self._advisory)
         return Slowly()
 
     def _expect(self, frame: Frame | None) -> None:
@@ -397,7 +352,7 @@ class CSupervisor(OfOneRun):
     def _judged(self, frame: Frame) -> Judged:
         stepper = self.stepper
         copied = stepper.margins.tobytes() + stepper.verdicts.tobytes()
-        return Judged(frame, _Said(self._explaining, self._advisory, frame, copied))
+        return Judged(frame, BothRated(self._explaining, self._advisory, frame, copied))
 
     def _violation(self, reason: Reason, judged: Judged) -> Violation:
         assert reason.rule is not None

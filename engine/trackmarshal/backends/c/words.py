@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from trackmarshal.backends.c.step import Reason, Said
+from trackmarshal.backends.c.said import Reason, Said
 from trackmarshal.runtime.contract import Contract
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.door.checking import FrameChecker

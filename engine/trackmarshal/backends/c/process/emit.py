@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal.backends.c.binding import SAID
+from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.cycles import FOUND, label
 from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.backends.c.names import literal
@@ -15,7 +16,7 @@ from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describ
 from trackmarshal.backends.c.process.regions import BELL, LINE, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
-from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Table, sizes_of, table
+from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Table, table
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
@@ -50,7 +51,7 @@ class Emitted:
 
     def __init__(self, source: Source, limits: Mapping[str, float], settings: Settings = NO_SETTINGS) -> None:
         #: Capacities by macro, for the compiler.
-        made = table(source, sizes_of(source, limits))
+        made = table(source, of_limits(source.plan.spec, limits))
         self.sizes = dict(made.capacities)
         self.description = describe(source, made, limits, settings.params, settings.tables)
         context = _context(source, made, self.description, limits, settings)

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from trackmarshal.backends.c.binding import SAID
+from trackmarshal.backends.c.capacities import capacities
 from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FOUND
-from trackmarshal.backends.c.header import CAPACITIES, capacities, elements, unit
+from trackmarshal.backends.c.header import unit
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.source import Source
 from trackmarshal.errors import TrackmarshalError
@@ -182,19 +183,6 @@ def table(source: Source, sizes: Mapping[str, int]) -> Table:
     return Table(
         messages, lines, signals, fields, {name: sizes[name] for name in capacities(source.plan, given)}
     )
-
-
-def sizes_of(source: Source, limits: Mapping[str, float]) -> dict[str, int]:
-    """Capacities by macro: those of limits, and as many points of places and rows of tables as the spec has."""
-    spec = source.plan.spec
-    return {
-        "TM_MAX_SAMPLES": int(limits["samples"]),
-        "TM_MAX_ELEMENTS": elements(spec, int(limits["elements"])),
-        "TM_MAX_BORDER": int(limits["border"]),
-        "TM_MAX_RATE": int(limits["rate"]),
-        "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),
-        "TM_MAX_KNOTS": max(CAPACITIES["TM_MAX_KNOTS"][0], *(len(t.knots) for t in spec.tables.values()), 0),
-    }
 
 
 def _names(given: Supervised) -> tuple[tuple[str, ...], tuple[str, ...]]:
