@@ -216,6 +216,11 @@ class RuleInfo(Node):
     course: CourseInfo | None = None
 
     @property
+    def roots(self) -> list[Formula]:
+        """Its formula, and that of its range: those that it has."""
+        return [root for root in (self.formula, self.active) if root is not None]
+
+    @property
     def over_run(self) -> bool:
         """Whether its formula, or the range of that, speaks of other cycles than the present one: then it has a worst and a best case."""
         return over_run(self.formula) or over_run(self.active)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from trackmarshal.backends.c.functions.rules import RuleCode
-from trackmarshal.backends.c.layout import roots, shape_key
+from trackmarshal.backends.c.layout import shape_key
 from trackmarshal.backends.c.setters import make
 from trackmarshal.backends.c.source import Source
 from trackmarshal.ir import nodes as ir
@@ -56,7 +56,7 @@ def inexact(source: Source) -> dict[str, list[str]]:
 
 def _libm(source: Source, graph: dict[str, set[str]], code: RuleCode) -> set[str]:
     begun = [code.entry]
-    for root in roots(code.rule):
+    for root in code.rule.roots:
         for node in ir.below(root):
             if isinstance(node, ir.Line | ir.Area | ir.OnLane) and shape_key(node) in source.plan.shapes:
                 begun.append(make(source.plan.shape(node)).partition("(")[0])

@@ -95,6 +95,6 @@ def bytes_of_courses(courses: Collection[Course], series: int) -> float:
     return sum(found) + 16 * (series + 3) * most / 1e9
 
 
-def counts_samples(formulas: Iterable[ir.Formula]) -> bool:
+def counts_samples(nodes: Iterable[ir.AnyNode]) -> bool:
     """Whether samples of a timeline are counted."""
-    return any(isinstance(node, ir.Tallied) for formula in formulas for node in ir.below(formula))
+    return any(isinstance(node, ir.Tallied) for node in nodes)

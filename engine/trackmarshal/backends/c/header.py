@@ -13,7 +13,7 @@ from trackmarshal.backends.c.courses import counts_samples, longest
 from trackmarshal.backends.c.functions.online import CAPACITY, Monitor
 from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.functions.types import CASES
-from trackmarshal.backends.c.layout import Input, Layout, roots
+from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
@@ -40,7 +40,7 @@ def header(
         "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
         "places": list(setters.prototypes(plan, supervised is not None)), "cases": CASES, "online": CAPACITY,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
-        "rulebooks": rulebooks, "counted": counts_samples(root for rule in plan.rules for root in roots(rule)),
+        "rulebooks": rulebooks, "counted": counts_samples(plan.nodes),
     }  # fmt: skip
     if supervised is not None:
         context |= interface.said(plan)

@@ -19,8 +19,8 @@ def of_candidate(rule: RuleInfo) -> bool:
     """Whether a rule reads anything that differs between the candidates."""
     if any(signal in (PLAN, IS_EMERGENCY) for signal, _ in rule.reads):
         return True
-    for root in (rule.formula, rule.active):
-        for node in ir.below(root) if root is not None else ():
+    for root in rule.roots:
+        for node in ir.below(root):
             named = getattr(node, "signal", None) or (node.name if isinstance(node, ir.Line) else None)
             if named in (PLAN, IS_EMERGENCY):
                 return True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
@@ -90,7 +90,7 @@ class Layout:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
         self.future = future_of(self.rules, self._same.formula)
-        asked = {name for rule in self.rules for root in roots(rule) for name in known_again(root)}
+        asked = {name for rule in self.rules for root in rule.roots for name in known_again(root)}
         unasked = self._known_again - asked
         if unasked:  # a program would read ids that are not there
             raise AssertionError(f"no door asks for the ids of {sorted(unasked)}")
@@ -170,6 +170,11 @@ class Layout:
         return {signal for signals, pair in self.pairs.items() if pair.forget for signal in signals}
 
     @property
+    def nodes(self) -> Iterator[ir.AnyNode]:
+        """All that the rules are made of."""
+        return (node for rule in self.rules for root in rule.roots for node in ir.below(root))
+
+    @property
     def lines(self) -> list[Shape]:
         return [s for s in self.shapes.values() if not s.region]
 
@@ -192,10 +197,6 @@ def _is_lanes(spec: Spec, key: tuple[str, str, str]) -> bool:
     return key[1] in spec.signals and spec.signals[key[1]].many
 
 
-def roots(rule: RuleInfo) -> list[ir.Formula]:
-    return [root for root in (rule.formula, rule.active) if root is not None]
-
-
 def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> Layout:
     """Collect what the rules read; rules without a formula are left out.
 
@@ -208,65 +209,43 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     tables: list[str] = []
     shapes: dict[tuple[str, str, str], bool] = {}
     events: list[str] = []
-    for rule in result.rules:
-        for root in roots(rule):
-            for node in ir.below(root):
-                match node:
-                    case ir.Column():
-                        columns.setdefault(node.axis.signal, set()).add(node.field)
-                    case ir.Axis():
-                        columns.setdefault(node.signal, set())
-                    case ir.Sample() | ir.Scalar():
-                        columns.setdefault(node.signal, set()).add(node.field)
-                    case ir.Flag():
-                        if node.signal in spec.events:
-                            events.append(node.signal)
-                        else:
-                            columns.setdefault(node.signal, set()).add(node.field or "")
-                    case ir.Temporal() | ir.Until() | ir.Tallied():
-                        columns.setdefault(node.axis.signal, set()).add("t")
-                    case ir.Param():
-                        params.append(node.name)
-                    case ir.Lookup() | ir.GridLookup():
-                        tables.append(node.table)
-                    case ir.Line() if node.kind == "path":
-                        columns.setdefault(node.name, set()).update(("x", "y"))
-                    case ir.Line() | ir.Area():
-                        shapes[shape_key(node)] = isinstance(node, ir.Area)
-                    case (
-                        ir.Const()
-                        | ir.Arith()
-                        | ir.Neg()
-                        | ir.Func()
-                        | ir.Choose()
-                        | ir.Truth()
-                        | ir.Compare()
-                    ):
-                        pass  # what they are made of is below, too
-                    case ir.OnLane():
-                        columns.setdefault(node.signal, set())
-                        shapes[shape_key(node)] = node.what in ("inside", "meets")
-                    case ir.Ordinal() | ir.Fold():
-                        pass
-                    case ir.Station() | ir.Offset() | ir.Direction() | ir.Distance():
-                        pass
-                    case ir.StationGap() | ir.StretchRoom():
-                        pass
-                    case (
-                        ir.SweptInside()
-                        | ir.SweptClear()
-                        | ir.InArea()
-                        | ir.Scaled()
-                        | ir.Not()
-                        | ir.Connective()
-                    ):
-                        pass
-                    case ir.Quantify() | ir.Guarded() | ir.Shift() | ir.At():
-                        pass
-                    case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept() | ir.Machine():
-                        pass  # see `remember`
-                    case _:
-                        assert_never(node)
+    for node in result.nodes:
+        match node:
+            case ir.Column():
+                columns.setdefault(node.axis.signal, set()).add(node.field)
+            case ir.Axis():
+                columns.setdefault(node.signal, set())
+            case ir.Sample() | ir.Scalar():
+                columns.setdefault(node.signal, set()).add(node.field)
+            case ir.Flag():
+                if node.signal in spec.events:
+                    events.append(node.signal)
+                else:
+                    columns.setdefault(node.signal, set()).add(node.field or "")
+            case ir.Temporal() | ir.Until() | ir.Tallied():
+                columns.setdefault(node.axis.signal, set()).add("t")
+            case ir.Param():
+                params.append(node.name)
+            case ir.Lookup() | ir.GridLookup():
+                tables.append(node.table)
+            case ir.Line() if node.kind == "path":
+                columns.setdefault(node.name, set()).update(("x", "y"))
+            case ir.Line() | ir.Area():
+                shapes[shape_key(node)] = isinstance(node, ir.Area)
+            case ir.OnLane():
+                columns.setdefault(node.signal, set())
+                shapes[shape_key(node)] = node.what in ("inside", "meets")
+            case (
+                ir.Const() | ir.Arith() | ir.Neg() | ir.Func() | ir.Choose() | ir.Ordinal() | ir.Fold()
+                | ir.Station() | ir.Offset() | ir.Direction() | ir.Distance() | ir.StationGap() | ir.StretchRoom()
+                | ir.Truth() | ir.Compare() | ir.Scaled() | ir.Not() | ir.Connective() | ir.Quantify() | ir.Guarded()
+                | ir.SweptInside() | ir.SweptClear() | ir.InArea() | ir.Shift() | ir.At()
+            ):  # fmt: skip
+                pass  # what they are made of is below, too
+            case ir.OverRun() | ir.Counted() | ir.InState() | ir.Kept() | ir.Machine():
+                pass  # see `remember`
+            case _:
+                assert_never(node)
     result.courses = courses_of(result.rules, columns)
     for name in whole:
         columns.setdefault(name, set())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from trackmarshal.backends.c.layout import Layout, Shape, roots
+from trackmarshal.backends.c.layout import Layout, Shape
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.ir import nodes as ir
 
@@ -12,12 +12,7 @@ from trackmarshal.ir import nodes as ir
 def has_geometry(plan: Layout) -> bool:
     if plan.shapes:  # of lanes also where no rule asks for them: the door does
         return True
-    return any(
-        isinstance(node, ir.Geometry | ir.Along | ir.OnLane)
-        for rule in plan.rules
-        for root in roots(rule)
-        for node in ir.below(root)
-    )
+    return any(isinstance(node, ir.Geometry | ir.Along | ir.OnLane) for node in plan.nodes)
 
 
 def sources(plan: Layout) -> dict[str, list[Shape]]:

@@ -19,7 +19,7 @@ from trackmarshal.backends.c.functions.types import CASES, FOLD, SEVERAL, TALLY,
 from trackmarshal.backends.c.header import header, numbered
 from trackmarshal.backends.c.judging import calls as rule_calls
 from trackmarshal.backends.c.judging import judge
-from trackmarshal.backends.c.layout import Layout, layout, roots
+from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.over_run.writing import joining, recalling, remembering
 from trackmarshal.backends.c.places import initial, own_places
@@ -128,12 +128,10 @@ def _source(
         *recalling(plan), *joining(plan), *(code.text for code in codes), *(group.text for group in groups), *(monitor.text for monitor in found)
     ]  # fmt: skip
     known = parts.functions()
-    if any(
-        isinstance(node, ir.Fold) for rule in plan.rules for root in roots(rule) for node in ir.below(root)
-    ):
+    if any(isinstance(node, ir.Fold) for node in plan.nodes):
         types.append(FOLD)
     types += grids.types(plan)
-    if not plan.remembers and counts_samples(root for rule in plan.rules for root in roots(rule)):
+    if not plan.remembers and counts_samples(plan.nodes):
         types.append(TALLY)
     several = [SEVERAL] if any("tm_several " in body for body in bodies) else []
     context = {

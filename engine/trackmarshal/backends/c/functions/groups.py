@@ -10,7 +10,7 @@ from trackmarshal.backends.c.functions.expressions import Expressions
 from trackmarshal.backends.c.functions.quantifiers import quantify
 from trackmarshal.backends.c.functions.rules import PARAMETERS, concluded
 from trackmarshal.backends.c.functions.several import either, takes_several
-from trackmarshal.backends.c.layout import Layout, roots
+from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo
@@ -48,7 +48,7 @@ def _axis(rule: RuleInfo) -> ir.Axis | None:
     looping = ir.Quantify | ir.Fold | ir.At | ir.Timed | ir.Geometry
     inner = [
         node
-        for root in roots(rule)
+        for root in rule.roots
         for node in ir.below(root)
         if (isinstance(node, looping) and node is not root)
         or (isinstance(node, ir.Along) and node.line.kind == "path")

@@ -10,7 +10,7 @@ from trackmarshal.backends.c.functions.margins import told_by_margin
 from trackmarshal.backends.c.functions.quantifiers import quantify
 from trackmarshal.backends.c.functions.several import either, takes_several
 from trackmarshal.backends.c.functions.writer import Writer
-from trackmarshal.backends.c.layout import Layout, roots
+from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, written
 from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
@@ -187,7 +187,7 @@ def _timed(plan: Layout, rule: RuleInfo) -> list[tuple[c.Expr, c.Expr]]:
     """C of the times and their number of every timeline that temporal operators of a rule run along."""
     places = {
         (plan.input(node.axis.signal).c_name, plan.field_name(node.axis.signal, "t"))
-        for root in roots(rule)
+        for root in rule.roots
         for node in ir.below(root)
         if isinstance(node, (ir.Temporal, ir.Until, ir.Tallied)) and node.axis.signal not in plan.courses
     }

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.functions.margins import all_of, always_finite, told_by_margin
 from trackmarshal.backends.c.functions.writer import Writer
-from trackmarshal.backends.c.layout import Layout, roots
+from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import identifier
 from trackmarshal.backends.c.usage import Value
 from trackmarshal.ir import nodes as ir
@@ -25,7 +25,7 @@ def takes_several(plan: Layout, rules: Sequence[RuleInfo]) -> bool:
     return any(
         isinstance(node, ir.Quantify) and _simple(plan, node)
         for rule in rules
-        for root in roots(rule)
+        for root in rule.roots
         for node in ir.below(root)
     )
 

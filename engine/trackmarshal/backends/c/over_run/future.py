@@ -74,8 +74,8 @@ class Future:
         """Signals of whose elements it is kept which were there: those that tables are about, and that quantifiers go through."""
         found = dict.fromkeys(axis.signal for table in self.tables for axis in table.axes)
         for rule in self.rules:
-            for root in (rule.formula, rule.active):
-                for node in ir.below(root) if root is not None else ():
+            for root in rule.roots:
+                for node in ir.below(root):
                     if isinstance(node, ir.Quantify) and looks_ahead(node):
                         found.setdefault(node.axis.signal)
         return list(found)
@@ -100,9 +100,8 @@ class Future:
 
 def settled(rule: RuleInfo) -> Iterable[ir.Formula]:
     """The largest formulas of a rule that are settled in their own cycles."""
-    for root in (rule.formula, rule.active):
-        if root is not None:
-            yield from leaves(root, parts_ahead)
+    for root in rule.roots:
+        yield from leaves(root, parts_ahead)
 
 
 def future_of(rules: Iterable[RuleInfo], same: Callable[[ir.Formula], ir.Formula]) -> Future:
@@ -112,9 +111,7 @@ def future_of(rules: Iterable[RuleInfo], same: Callable[[ir.Formula], ir.Formula
     """
     found = Future([rule for rule in rules if is_ahead(rule)])
     for rule in found.rules:
-        for root in (rule.formula, rule.active):
-            if root is None:
-                continue
+        for root in rule.roots:
             formula = same(root)
             reach = ahead(formula)
             assert reach is not None, "what looks ahead without a bound is refused before"

@@ -12,7 +12,7 @@ from trackmarshal.backends.c.courses import counts_samples
 from trackmarshal.backends.c.courses import described as course
 from trackmarshal.backends.c.functions.expressions import Expressions
 from trackmarshal.backends.c.functions.types import CASES, TALLY
-from trackmarshal.backends.c.layout import Input, Layout, roots
+from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment, identifier
 from trackmarshal.backends.c.over_run import waiting
 from trackmarshal.backends.c.over_run.cells import Cell
@@ -64,7 +64,7 @@ def described(plan: Layout) -> dict[str, Any]:
         "lasting": any(item.signal is not None and item.signal.forget for item in plan.named),
         "kept": [_described(plan, each) for each in plan.kept.values()],
         "comment": comment,
-        "tally": TALLY if counts_samples(root for rule in plan.rules for root in roots(rule)) else "",
+        "tally": TALLY if counts_samples(plan.nodes) else "",
         "courses": [course(each, partial(_of_input, plan)) for each in plan.courses.values()],
         "notes": any(rule.over_run for rule in plan.rules),
         "ahead": waiting.described(plan) if plan.future.rules else None,
@@ -95,7 +95,7 @@ def _described(plan: Layout, each: Cell) -> dict[str, Any]:
             "absent": "tm_pairs_absent",
         }
     if isinstance(each.node, ir.Machine):
-        asked = [node for rule in plan.rules for root in roots(rule) for node in ir.below(root)]
+        asked = list(plan.nodes)
         machine = each.node
         said = any(isinstance(node, ir.InState) and node.machine is machine for node in asked)
         kept = any(isinstance(node, ir.Kept) and node.machine is machine for node in asked)
@@ -290,7 +290,7 @@ def _operands(each: Cell) -> tuple[ir.Formula, ...]:
 def _names(axis: ir.Axis, rules: list[Any]) -> Iterator[str]:
     """What rules call an element of a set."""
     for rule in rules:
-        for root in (rule.formula, rule.active):
-            for node in ir.below(root) if root is not None else ():
+        for root in rule.roots:
+            for node in ir.below(root):
                 if isinstance(node, ir.Quantify) and node.axis is axis:
                     yield node.names[0]
