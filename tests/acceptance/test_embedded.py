@@ -18,8 +18,8 @@ from support.embedded import Difference, Ran
 from support.emitted import SCENARIOS, emit, name_of
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal.backends.c.calls import inexact
-from trackmarshal.backends.c.contract import unfit
 from trackmarshal.backends.c.source import Source, generate
+from trackmarshal.backends.c.supervised.contract import unfit
 from trackmarshal.evaluation import Evaluator, load
 
 pytestmark = pytest.mark.acceptance

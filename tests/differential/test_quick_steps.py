@@ -21,11 +21,11 @@ from support.length import shared_out
 from support.pairs import agree, bits
 from support.supervised import Clock, shipped
 from trackmarshal.backends.c import calling
-from trackmarshal.backends.c.binding import HEAD, SAID
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.calling import objects, quick
 from trackmarshal.backends.c.calling.objects import OtherObjectsError
 from trackmarshal.backends.c.calling.quick import Quick, Slowly
+from trackmarshal.backends.c.supervised.binding import HEAD, SAID
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.backends.c.binding import HEAD
 from trackmarshal.backends.c.glue import glue
-from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.said import Said
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.step import Stepper
+from trackmarshal.backends.c.supervised.binding import HEAD
+from trackmarshal.backends.c.supervised.interface import LIMITS
 from trackmarshal.runtime.frame import Columns
 from trackmarshal.runtime.lines import Line
 
@@ -65,14 +65,14 @@ class Taped(Stepper):
 
     @staticmethod
     def name_number(name: str) -> int:
-        from trackmarshal.backends.c.interface import FAULT_NAMES
+        from trackmarshal.backends.c.supervised.interface import FAULT_NAMES
 
         return FAULT_NAMES.index(name)
 
 
 def player(source: Source) -> str:
     """The program: its arguments are the tape, and the file for what is decided."""
-    from trackmarshal.backends.c.interface import FAULT_NAMES
+    from trackmarshal.backends.c.supervised.interface import FAULT_NAMES
 
     names = ", ".join(f'"{name}"' for name in FAULT_NAMES)
     assert len(HEAD) == 8

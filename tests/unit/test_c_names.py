@@ -12,12 +12,12 @@ import pytest
 from support.agreement import compiled, outcomes
 from support.length import amount
 from trackmarshal.backends.c import build
-from trackmarshal.backends.c.contract import unfit
 from trackmarshal.backends.c.example import example
 from trackmarshal.backends.c.monitoring import Monitors
 from trackmarshal.backends.c.names import distinct, identifier
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import generate
+from trackmarshal.backends.c.supervised.contract import unfit
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.semantics.calls import built_in_names

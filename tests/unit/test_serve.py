@@ -20,7 +20,7 @@ from support.supervised import shipped
 from trackmarshal.backends.c.example import example
 from trackmarshal.backends.c.process import emit
 from trackmarshal.backends.c.process.emit import Emitted
-from trackmarshal.backends.c.process.table import SIZES
+from trackmarshal.backends.c.process.messages import SIZES
 from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.cli import serve

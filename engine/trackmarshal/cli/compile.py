@@ -54,11 +54,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.c.contract import unfit
     from trackmarshal.backends.c.example import example
     from trackmarshal.backends.c.names import plain
     from trackmarshal.backends.c.report import context_bytes, report
     from trackmarshal.backends.c.source import generate
+    from trackmarshal.backends.c.supervised.contract import unfit
     from trackmarshal.cli.evaluate import declared_within
     from trackmarshal.cli.replay import default_spec
     from trackmarshal.evaluation import Evaluator, broken_constraints, load

@@ -49,8 +49,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.c.contract import unfit
     from trackmarshal.backends.c.process.description import text_of
+    from trackmarshal.backends.c.supervised.contract import unfit
     from trackmarshal.evaluation import Evaluator, broken_constraints, load
     from trackmarshal.process.serving import build
 

@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from trackmarshal.backends.c.binding import SAID, Words, words
-from trackmarshal.backends.c.interface import FAULT_NAMES
-from trackmarshal.backends.c.lanes import Lanes
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.said import Reason, Said
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.binding import SAID, Words, words
+from trackmarshal.backends.c.supervised.interface import FAULT_NAMES
+from trackmarshal.backends.c.supervised.lanes import Lanes
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.process.client import Block, Border, Client, Found

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Limits
 

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import LIMITS, in_force
-from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.over_run.numbering import Numbering
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import LIMITS, in_force
+from trackmarshal.backends.c.supervised.lanes import Lanes, as_many
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Limits
 from trackmarshal.runtime.decision import MOST_REASONS

@@ -9,14 +9,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from trackmarshal.backends.c.build import DIGITS, UNSIGNALLED
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
-from trackmarshal.backends.c.interface import LIMITS
 from trackmarshal.backends.c.layout import Input
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.places import bordered, is_lanes, setter_names, sources
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import LIMITS
 from trackmarshal.ir.spec import FieldType
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from trackmarshal.backends.c import parts
-from trackmarshal.backends.c.binding import glue as supervised
 from trackmarshal.backends.c.functions.online import Monitor
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.setters import glue as places
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.binding import glue as supervised
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,8 @@ import hashlib
 import re
 from collections.abc import Sequence
 
-from trackmarshal.backends.c import interface, places, setters
+from trackmarshal.backends.c import places, setters
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, stated
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.courses import counts_samples, longest
 from trackmarshal.backends.c.functions.online import CAPACITY, Monitor
 from trackmarshal.backends.c.functions.rules import RuleCode
@@ -17,6 +16,8 @@ from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.over_run.writing import types as remembered
 from trackmarshal.backends.c.rendering import render
+from trackmarshal.backends.c.supervised import interface
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.ir.spec import FieldType, ParamInfo
 from trackmarshal.units import parse_unit, show
 

@@ -15,11 +15,11 @@ from trackmarshal.backends.c import calls
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.build import EXACT, library
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, default
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.functions.operators import called
 from trackmarshal.backends.c.rulebooks import book_codes
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.operators import FUNCTIONS
 from trackmarshal.runtime.contract import RECORD, SET, TIMELINE

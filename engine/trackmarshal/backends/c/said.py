@@ -10,9 +10,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.binding import Words
-from trackmarshal.backends.c.lanes import Lanes
 from trackmarshal.backends.c.library import Result
+from trackmarshal.backends.c.supervised.binding import Words
+from trackmarshal.backends.c.supervised.lanes import Lanes
 from trackmarshal.runtime.frame import Arena, Columns
 from trackmarshal.runtime.lines import Line
 

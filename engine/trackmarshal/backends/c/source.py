@@ -7,18 +7,13 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from trackmarshal.backends.c import grids, machine, parts
-from trackmarshal.backends.c.configuration import configuration
-from trackmarshal.backends.c.contract import Supervised, supervised_layout
+from trackmarshal.backends.c import grids, parts
 from trackmarshal.backends.c.courses import counts_samples
-from trackmarshal.backends.c.door import Door
 from trackmarshal.backends.c.functions.groups import GroupCode, group_codes
 from trackmarshal.backends.c.functions.online import Monitor, monitors
 from trackmarshal.backends.c.functions.rules import RuleCode, rule_code
 from trackmarshal.backends.c.functions.types import CASES, FOLD, SEVERAL, TALLY, TRUTH
 from trackmarshal.backends.c.header import header, numbered
-from trackmarshal.backends.c.judging import calls as rule_calls
-from trackmarshal.backends.c.judging import judge
 from trackmarshal.backends.c.layout import Layout, layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.over_run.writing import joining, recalling, remembering
@@ -26,6 +21,12 @@ from trackmarshal.backends.c.places import initial, own_places
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.rulebooks import RANKS, BookCode, book_codes, declared, defined
 from trackmarshal.backends.c.setters import calls, setters
+from trackmarshal.backends.c.supervised import machine
+from trackmarshal.backends.c.supervised.configuration import configuration
+from trackmarshal.backends.c.supervised.contract import Supervised, supervised_layout
+from trackmarshal.backends.c.supervised.door import Door
+from trackmarshal.backends.c.supervised.judging import calls as rule_calls
+from trackmarshal.backends.c.supervised.judging import judge
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.binding import SAID, words
 from trackmarshal.backends.c.build import library
 from trackmarshal.backends.c.calling import Calling
 from trackmarshal.backends.c.capacities import capacities, of_limits
-from trackmarshal.backends.c.interface import FAULT_NAMES, LASTING, LIMITS, in_force
-from trackmarshal.backends.c.lanes import Lanes, as_many
 from trackmarshal.backends.c.library import aligned
 from trackmarshal.backends.c.over_run.numbering import Numbering, lasting
 from trackmarshal.backends.c.said import NO_INDEX, CFault, CReason, Floats, Reason, Said
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.binding import SAID, words
+from trackmarshal.backends.c.supervised.interface import FAULT_NAMES, LASTING, LIMITS, in_force
+from trackmarshal.backends.c.supervised.lanes import Lanes, as_many
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.door.lines import NOWHERE
 from trackmarshal.runtime.frame import Arena, Columns

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.judging import driven
 from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.judging import driven
 from trackmarshal.runtime.contract import FOLLOWED, IS_DRIVEN, IS_EMERGENCY
 
 #: The end of a step, before which what was decided is remembered; and how.

@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from trackmarshal.backends.c.cycles import digest
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
+from trackmarshal.backends.c.process.messages import CAUSES, HEAD, MAGIC, VERSION, Message, Table
 from trackmarshal.backends.c.process.regions import BELL, LINE, Region, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
-from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Message, Table
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.runtime.contract import SET
 from trackmarshal.runtime.machine import STATES
 from trackmarshal.runtime.verdict import VERDICTS

@@ -7,18 +7,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.backends.c.binding import SAID
 from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.cycles import FOUND, label
-from trackmarshal.backends.c.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.backends.c.names import literal
 from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
+from trackmarshal.backends.c.process.messages import CAUSES, HEAD, MAGIC, VERSION, Table
 from trackmarshal.backends.c.process.regions import BELL, LINE, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
-from trackmarshal.backends.c.process.table import CAUSES, HEAD, MAGIC, VERSION, Table, table
+from trackmarshal.backends.c.process.table import table
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.supervised.binding import SAID
+from trackmarshal.backends.c.supervised.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.decision import MOST_REASONS

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from trackmarshal.backends.c.process.table import Table
+from trackmarshal.backends.c.process.messages import Table
 
 #: "TMSR", and the version of this layout of memory.
 MAGIC, VERSION = 0x5253_4D54, 1

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import DUE, LIMITS
 from trackmarshal.backends.c.over_run.step import CALL, END, commit
 from trackmarshal.backends.c.parts import STEP
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import DUE, LIMITS
 from trackmarshal.runtime.contract import EGO
 from trackmarshal.runtime.contract.cycles import STORED
 from trackmarshal.runtime.machine import HOLDS, LOST, NEXT, NONE, SAFE, STATES

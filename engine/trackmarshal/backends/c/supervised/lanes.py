@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.backends.c.checks import breach, condition
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.places import setter_names
+from trackmarshal.backends.c.supervised.checks import breach, condition
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.runtime.contract import Signal
 from trackmarshal.runtime.door.lines import NOWHERE
 from trackmarshal.runtime.frame import Columns

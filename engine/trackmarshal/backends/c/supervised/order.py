@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from trackmarshal.backends.c.checks import breach, text
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import LIMITS
+from trackmarshal.backends.c.supervised.checks import breach, text
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import LIMITS
 from trackmarshal.runtime.contract.cycles import COUNTED, END, NUMBER, STAMP, START, TIMELY, Demand
 from trackmarshal.runtime.cycle import EMERGENCY
 

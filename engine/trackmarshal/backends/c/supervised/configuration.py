@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.checks import text
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.functions.expressions import Expressions
-from trackmarshal.backends.c.interface import LIMITS, MARKS, declared
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment, literal
 from trackmarshal.backends.c.places import initial as places
+from trackmarshal.backends.c.supervised.checks import text
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import LIMITS, MARKS, declared
 from trackmarshal.ir.spec import ConstraintInfo, RuleInfo
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.machine import NO_EMERGENCY_YET

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.interface import LASTING, LIMITS
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.interface import LASTING, LIMITS
 from trackmarshal.runtime.contract import RECORD, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 

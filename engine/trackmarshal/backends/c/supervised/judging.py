@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.functions.groups import GroupCode
 from trackmarshal.backends.c.functions.rules import RuleCode
 from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from trackmarshal.backends.c.checks import Helpers, breach, capacity, condition, text
-from trackmarshal.backends.c.contract import Supervised
-from trackmarshal.backends.c.lanes import lanes_of
-from trackmarshal.backends.c.machine import ego_of
 from trackmarshal.backends.c.names import comment
-from trackmarshal.backends.c.order import fit, order
+from trackmarshal.backends.c.supervised.checks import Helpers, breach, capacity, condition, text
+from trackmarshal.backends.c.supervised.contract import Supervised
+from trackmarshal.backends.c.supervised.lanes import lanes_of
+from trackmarshal.backends.c.supervised.machine import ego_of
+from trackmarshal.backends.c.supervised.order import fit, order
 from trackmarshal.runtime.contract import EGO, EVENT, ID, LINES, RECORD, Field, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 

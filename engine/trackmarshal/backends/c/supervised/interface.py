@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
-from trackmarshal.backends.c.contract import Supervised
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.runtime.cycle import CAPACITIES, LIMITS_MODULE, Limits
 from trackmarshal.runtime.decision import MOST_REASONS
 from trackmarshal.runtime.faults import FAULTS
