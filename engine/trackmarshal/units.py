@@ -108,6 +108,11 @@ def _exponent(part: str) -> tuple[str, int]:
     return name, int(exponent) if exponent else 1
 
 
+def is_si(unit: str) -> bool:
+    """Whether a number in a unit is that of the SI as it stands: `m/s`, `N`, `rad`."""
+    return parse_unit(unit)[:2] == (1.0, 1.0)
+
+
 def to_si(number: float, unit: str) -> float:
     """A number in a unit to SI: `number * multiplier / divisor`, each rounded once.
 
@@ -166,7 +171,7 @@ def written(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
 def beside(value: float, unit: str, shown: str = "", digits: int = 4) -> str:
     """The same, with the SI value beside it where that is another number: -12.4 km/h (-3.444 m/s)."""
     text = written(value, unit, shown, digits)
-    if not shown or not math.isfinite(value) or parse_unit(shown)[:2] == (1.0, 1.0):
+    if not shown or not math.isfinite(value) or is_si(shown):
         return text
     return f"{text} ({written(value, unit, '', digits)})"
 

@@ -46,7 +46,7 @@ from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.runtime.stencil import Stencils, letters
 from trackmarshal.runtime.written_units import Units
-from trackmarshal.units import parse_unit
+from trackmarshal.units import is_si
 
 FORMAT = "trackmarshal-record"
 VERSION = 4
@@ -626,9 +626,7 @@ def _all_si(contract: Contract) -> bool:
     assert contract.plan is not None
     fields = [(s, f) for s in (contract.plan, *contract.signals) if s.form != EVENT for f in s.fields_]
     return all(
-        signal.form == LINES
-        if field.kind == "polyline"
-        else field.kind == "number" and parse_unit(field.unit)[:2] == (1.0, 1.0)
+        signal.form == LINES if field.kind == "polyline" else field.kind == "number" and is_si(field.unit)
         for signal, field in fields
     )
 

@@ -20,7 +20,7 @@ from trackmarshal.runtime.door.values import Floats, WrongTypeError
 from trackmarshal.runtime.door.wording import no_member
 from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import Columns, Names
-from trackmarshal.units import LENGTH, parse_unit
+from trackmarshal.units import LENGTH, is_si, parse_unit
 
 Ints = NDArray[np.intp]
 
@@ -66,7 +66,7 @@ class ColumnsReader:
         self._scaled = [
             (row, *parse_unit(field.unit)[:2])
             for row, field in enumerate(self._numbers)
-            if parse_unit(field.unit)[:2] != (1.0, 1.0)
+            if not is_si(field.unit)
         ]
         #: The units of lengths, in m.
         self._metres = {

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trackmarshal.trace.report.reading import number
-from trackmarshal.units import from_si, parse_unit
+from trackmarshal.units import from_si, is_si
 
 
 def quantity(value: float, unit: str, digits: int = 4) -> str:
@@ -26,7 +26,7 @@ def measured(moment: Mapping[str, Any], beside: bool = True) -> str:
     if not shown or not math.isfinite(margin):
         return quantity(margin, unit)
     text = quantity(from_si(margin, shown), shown)
-    return f"{text} ({quantity(margin, unit)})" if beside and parse_unit(shown)[:2] != (1.0, 1.0) else text
+    return f"{text} ({quantity(margin, unit)})" if beside and not is_si(shown) else text
 
 
 def plain(value: float, digits: int = 4) -> str:
