@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.reads import PLAN
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import Contract, Field
@@ -47,18 +46,6 @@ def numbers_of(contract: Contract) -> dict[str, Field]:
         for signal in (contract.plan, *contract.signals)
         for field in signal.numbers
     }
-
-
-def check_named(members: Members | None, contract: Contract, shown: str) -> None:
-    """Raise D162 for a record that has members by their places, and does not say of which enumerations these are."""
-    if members is not None:
-        return
-    fields = [f"`{name}`" for name, field in numbers_of(contract).items() if field.members]
-    if fields:
-        raise TrackmarshalError(
-            "D162", f"the record does not say of which members {fields[0]} has the places", file=shown,
-            help="it was written before records did; the version that wrote it can replay it",
-        )  # fmt: skip
 
 
 def by_name(cycle: Cycle, members: Members) -> None:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import SignalType, Spec, short_name
 from trackmarshal.runtime.contract import Contract
 from trackmarshal.runtime.members import numbers_of
-from trackmarshal.units import parse_unit
+from trackmarshal.units import is_si, parse_unit
+
+if TYPE_CHECKING:
+    from trackmarshal.runtime.record import Run
 
 #: By what a number is of (`field`, `param` or `table`) and its name (`ego.v`), the unit as it was declared; of a table those of both columns.
 Units = Mapping[tuple[str, str], tuple[str, ...]]
@@ -58,13 +61,21 @@ def unlisted(given: Any) -> Units | None:
     return found
 
 
-def check_units(
-    units: Units | None, spec: Spec, contract: Contract, params: Collection[str], tables: Collection[str], shown: str
+def check_numbers(
+    run: Run, spec: Spec, contract: Contract, params: Collection[str] | None = None, tables: Collection[str] | None = None
 ) -> None:  # fmt: skip
     """Raise D162 for a record with numbers that would be taken in another unit, or as places of members; and for one that does not say in
-    which units they are, where these may be others than those of the SI."""
+    which units they are, where these may be others than those of the SI, or of which enumerations places are those of members.
+
+    contract: what rules read. params, tables: the names of the values that are taken from the record, those that it has if none are given.
+    """
+    units, shown = run.units, run.source
+    params = run.identity.get("params", ()) if params is None else params
+    tables = run.identity.get("tables", ()) if tables is None else tables
     fields = numbers_of(contract)
     for name, field in fields.items():
+        if field.members and run.members is None:
+            raise _unsaid(f"of which members `{name}` has the places", shown)
         if field.members and ("field", name) in (units or {}):
             raise _other(f"`{name}` is a number in the record, and has members in the spec", shown)
     read: Units = {("field", name): (field.unit,) for name, field in fields.items() if not field.members}
@@ -74,11 +85,15 @@ def check_units(
             message = f"`{name}` is in {' and '.join(was)} in the record, and the spec has it in {' and '.join(now)}"
             raise _other(message, shown)
         unsaid = was is None and (units is None or kind != "field")  # a field that is new is in no cycle
-        if unsaid and any(up != down for up, down, _ in _parsed(now)):
-            raise TrackmarshalError(
-                "D162", f"the record does not say in which unit `{name}` is", file=shown,
-                help="it was written before records did; the version that wrote it can replay it",
-            )  # fmt: skip
+        if unsaid and not all(map(is_si, now)):
+            raise _unsaid(f"in which unit `{name}` is", shown)
+
+
+def _unsaid(what: str, shown: str) -> TrackmarshalError:
+    return TrackmarshalError(
+        "D162", f"the record does not say {what}", file=shown,
+        help="it was written before records did; the version that wrote it can replay it",
+    )  # fmt: skip
 
 
 def _other(message: str, shown: str) -> TrackmarshalError:

@@ -10,9 +10,8 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.door.door import stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.frame import Settings
-from trackmarshal.runtime.members import check_named
 from trackmarshal.runtime.record import Run
-from trackmarshal.runtime.written_units import check_units
+from trackmarshal.runtime.written_units import check_numbers
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
 
@@ -31,13 +30,7 @@ def of_recording(
 def of_run(run: Run, source: Source, settings: Settings) -> Iterator[str]:
     """The lines of a file: cycles at the times that the clock showed, with the limits of the run. Raises D162."""
     assert source.supervised is not None
-    contract, params, tables = (
-        source.supervised.contract,
-        run.identity.get("params"),
-        run.identity.get("tables"),
-    )
-    check_named(run.members, contract, run.source)
-    check_units(run.units, source.plan.spec, contract, params or {}, tables or {}, run.source)
+    check_numbers(run, source.plan.spec, source.supervised.contract)
     steps = ((_cycle(one.cycle), *one.readings) for one in run.cycles)
     return _lines(source, settings, run.limits, steps)
 

@@ -14,7 +14,7 @@ from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.scenarios.inputs import SIGNALS, records_of
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
-from trackmarshal.units import moment, parse_unit, show
+from trackmarshal.units import is_si, moment, parse_unit, show
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator
@@ -116,19 +116,10 @@ def check_fit(recording: Recording, evaluator: Evaluator) -> None:
         _check_si(recording, evaluator)
     else:
         # With numpy, which whoever reads another recording does without.
-        from trackmarshal.runtime.members import check_named
-        from trackmarshal.runtime.written_units import check_units
+        from trackmarshal.runtime.written_units import check_numbers
 
         contract = of_cycles(evaluator.spec, evaluator.rules)
-        check_named(recording.of_run.members, contract, recording.source)
-        check_units(
-            recording.of_run.units,
-            evaluator.spec,
-            contract,
-            recording.params,
-            recording.tables,
-            recording.source,
-        )
+        check_numbers(recording.of_run, evaluator.spec, contract, recording.params, recording.tables)
     name = recording.track.get("name")
     problem = elsewhere(places_of(evaluator.spec, evaluator.rules), name) if isinstance(name, str) else ""
     if problem:
@@ -143,7 +134,7 @@ def _check_si(recording: Recording, evaluator: Evaluator) -> None:
         for field in spec.signals[name].fields_ if name in spec.signals else ():
             # What is given is in the declared unit.
             own = field.name in OWN[name] and f"{name}.{field.name}" not in recording.given
-            if own and field.kind == "number" and not _is_si(field.unit):
+            if own and field.kind == "number" and not is_si(field.unit):
                 if any(field.name in each for each in records_of(recording, name)):
                     raise _not_si(recording, f"{name}.{field.name}", field.unit)
     for kind, name in sorted(recording.in_si):
@@ -153,12 +144,8 @@ def _check_si(recording: Recording, evaluator: Evaluator) -> None:
         for info in infos.values():
             units = info.units if isinstance(info, TableInfo) else (info.unit,)
             for unit in units if name in (info.name, short_name(info)) else ():
-                if not _is_si(unit):
+                if not is_si(unit):
                     raise _not_si(recording, name, unit)
-
-
-def _is_si(unit: str) -> bool:
-    return parse_unit(unit)[:2] == (1.0, 1.0)
 
 
 def _not_si(recording: Recording, name: str, unit: str) -> TrackmarshalError:

@@ -7,15 +7,14 @@ turns left, a pose is the centre of the vehicle's rectangle.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.units import moment
 
 if TYPE_CHECKING:
-    from trackmarshal.runtime.members import Members
-    from trackmarshal.runtime.written_units import Units
+    from trackmarshal.runtime.record import Run
 
 #: A trajectory: equally long lists, by name.
 Columns = dict[str, list[float]]
@@ -45,13 +44,6 @@ class Cycle:
     more: dict[str, Any] = field(default_factory=dict)
     obstacles: list[dict[str, Any]] | None = None
     missing: int = 0
-
-
-class OfRun(NamedTuple):
-    """Of which enumerations the places in the record of a run were, and of which units its numbers are; None where an old one does not say it."""
-
-    members: Members | None
-    units: Units | None
 
 
 def only(cycle: Cycle, name: str) -> Cycle:
@@ -94,8 +86,8 @@ class Recording:
     in_si: frozenset[tuple[str, str]] = field(default=frozenset(), compare=False)
     #: Whether it was generated from a declaration, and nobody recorded it.
     generated: bool = field(default=False, compare=False)
-    #: What the record of a run says of the members and the units of then, where it was one.
-    of_run: OfRun | None = field(default=None, compare=False)
+    #: The record of a run that it was, where it was one, without its cycles: what that says of the spec, the members and the units of then.
+    of_run: Run | None = field(default=None, compare=False)
 
     def standing(self, cycle: Cycle) -> list[dict[str, Any]]:
         """The obstacles of a cycle."""

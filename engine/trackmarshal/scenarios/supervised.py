@@ -29,7 +29,7 @@ from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.fields import ELSEWHERE, check_fit, further_names, own_names
 from trackmarshal.scenarios.overrides import known_params
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
-from trackmarshal.scenarios.recording import OfRun, Recording
+from trackmarshal.scenarios.recording import Recording
 from trackmarshal.supervision import rulebox
 from trackmarshal.units import moment
 
@@ -302,7 +302,7 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     params, tables = run.identity.get("params", {}), run.identity.get("tables", {})
     track = track if "left" in track else {**_NO_TRACK, **track}
     return Recording(
-        name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), of_run=OfRun(run.members, run.units)
+        name, shown, tuple(kept), track, params, tables, obstacles=obstacles, notes=tuple(notes), of_run=replace(run, cycles=(), snapshots=())
     )  # fmt: skip
 
 
