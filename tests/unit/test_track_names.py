@@ -35,8 +35,8 @@ def lap() -> Recording:
     return replace(recording, cycles=recording.cycles[:3], ground_truth={})
 
 
-def named(name: Any) -> tm.Cycle:
-    given = cycle(0)
+def named(name: Any, number: int = 0) -> tm.Cycle:
+    given = cycle(number)
     return replace(given, signals={**given.signals, "track": {**given.signals["track"], "name": name}})
 
 
@@ -163,3 +163,24 @@ def test_what_counts_as_a_recording_names_the_track_of_its_run(tmp_path: Path, n
     assert len(tm.replay(recording, tm.Evaluator(shipped(), ["zone_speed_limit"])).cycles) == 1
     with pytest.raises(tm.TrackmarshalError, match="D146"):
         tm.replay(recording, tm.Evaluator(northfield, ["zone_speed_limit"]))
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_later_cycle_names_another_track(backend: str) -> None:
+    """Where no rule reads the borders, C took the others for the one that it had read before."""
+    now = [0.0]
+    made = tm.supervisor(shipped(), ["zone_speed_limit"], backend, {"budget": 1e9}, lambda: now[0])
+    found = []
+    for number, name in enumerate([*["modena"] * 4, "monteblanco", None, "modena"]):
+        now[0] = number * PERIOD
+        found += [[name_of(fault) for fault in made.step(named(name, number)).faults]]
+    assert found == [[], [], [], [], ["wrong_track"], [], []]
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_the_name_of_a_track_is_a_text_whatever_rules_read(backend: str) -> None:
+    """Where none reads a place it went unnoticed, and a record kept such cycles as JSON, whole."""
+    for rules in (["friction"], ["static_collision"]):
+        made = tm.supervisor(shipped(), rules, backend, {"budget": 1e9}, lambda: 0.0)
+        (fault,) = made.step(named(7)).faults
+        assert (name_of(fault), fault.signal, fault.field) == ("wrong_type", "track", "name")

@@ -100,7 +100,9 @@ class SignalsReader:
         self.lanes = {s.name: LanesReader(s) for s in contract.signals if s.form == SET and s.lines}
         self.events = [s.name for s in contract.signals if s.form == EVENT]
         self._places = contract.places
-        self._corridors = contract.corridors if contract.places else ()
+        self._corridors = contract.corridors
+        #: Those whose borders no rule reads: what is asked of them is the name.
+        self._unread = [name for name in contract.corridors if name not in self.lines]
 
     def read(self, raw: dict[Any, Any], frame: Frame, faults: list[Fault]) -> None:
         """Put the signals into a frame. What the spec declares and no rule reads is left out."""
@@ -130,11 +132,15 @@ class SignalsReader:
             self._same_track(name, raw.get(name), frame, faults)
 
     def remembered(self, raw: dict[Any, Any]) -> Remembered | None:
-        """What the lines and events are that were read without a fault, as (name, names within, objects), where nobody can change any of that; else
-        None."""
+        """What the lines, events and names of tracks are that were read without a fault, as (name, names within, objects), where nobody can change
+        any of that; else None."""
         found = []
-        for name in (*self.lines, *self.events):
-            one = raw.get(name)
+        for name in (*self.lines, *self.events, *self._unread):
+            if name not in raw:
+                if self._places:  # a later cycle may name a track
+                    return None
+                continue
+            one = raw[name]
             names, objects = (tuple(one), tuple(one.values())) if type(one) is dict else ((), (one,))
             if not _FROZEN.issuperset(map(type, objects)) or not {str}.issuperset(map(type, names)):
                 return None
@@ -142,7 +148,7 @@ class SignalsReader:
         return None if self.lanes else tuple(found)
 
     def _same_track(self, signal: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
-        """A fault where the data names a track that the places which rules read are not on."""
+        """A fault where the data names a track by no text, or one that the places which rules read are not on."""
         try:
             name = None if raw is None else values.mapping(raw).get("name")
         except (
