@@ -184,3 +184,30 @@ def test_the_name_of_a_track_is_a_text_whatever_rules_read(backend: str) -> None
         made = tm.supervisor(shipped(), rules, backend, {"budget": 1e9}, lambda: 0.0)
         (fault,) = made.step(named(7)).faults
         assert (name_of(fault), fault.signal, fault.field) == ("wrong_type", "track", "name")
+
+
+def test_an_empty_name_in_a_record_is_a_name(tmp_path: Path) -> None:
+    """It counted as none, so that places of another track were taken for those of the run."""
+    yard, path, now = tmp_path / "yard.spec", tmp_path / "run.arrows", [0.0]
+    yard.write_text(NORTHFIELD.read_text().replace("module tracks.northfield", "module yard"))
+    live = tm.supervisor(
+        tm.load(ROOT / "specs" / "supervisor", [yard]),
+        ["zone_speed_limit"],
+        limits={"budget": 1e9},
+        clock=lambda: now[0],
+        record=path,
+    )
+    for number, name in enumerate([*[""] * 4, None, "yard"]):
+        now[0] = number * PERIOD
+        assert live.step(named(name, number)).faults == ()
+    live.close()
+    run = read(path.read_bytes(), str(path))
+    assert [one.cycle.signals.get("track", {}).get("name") for one in run.cycles] == [*[""] * 4, None, "yard"]
+    found = [decision.faults for decision, _ in rerun(run, box_of(run, shipped()))]
+    assert [[name_of(fault) for fault in faults] for faults in found] == [
+        *[["wrong_track"]] * 4,
+        [],
+        ["wrong_track"],
+    ]
+    with pytest.raises(tm.TrackmarshalError, match="D146"):
+        tm.replay(tm.load_recording(path), tm.Evaluator(shipped(), ["zone_speed_limit"]))

@@ -5,9 +5,10 @@ An Arrow IPC stream (`arrow.py`), one batch a cycle. Columns by name:
 - `row`: how many rows come before it in the file, whatever they are (records of version 2 do not say it);
 - `number`, `t`: the cycle's, where they are numbers; `arrived`, `finished`: the clock's readings, NaN where there was none;
 - `driving.F`, `emergency.F`, `SIGNAL.F`: what passed the door, in SI, members of enumerations by the places that the head names; borders as `SIGNAL.LINE.x` and `.y`, empty where they are those of
-  the row before that has any; `SIGNAL.name`: what the track is called;
+  the row before that has any; `SIGNAL.name`: what the track is called, empty too where it has no name;
 - `raw`: JSON of the cycle as it came in, where it did not pass the door; its columns are empty then. `null` stands for no cycle;
-- `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand, with the places of the elements of a set that did not, where others did (records before version 4 do not say it);
+- `left_out`: JSON of the columns that the cycle did not have, in which the spec's defaults stand, with the places of the elements of a set that did not, where others did
+  (records before version 4 do not say it, those before version 5 not that a track has no name);
 - `missed`: how many cycles before this one could not be written (a full disk), or were not decided as their steps were stopped; a row without a `state` is no cycle: it says only that, or has
   in `raw` a part of a snapshot (`snapshots.py`), from which a replay can start;
 - the decision: `state`, `safe`, `driven`, `driven_number`, `driven_t`, `lost`, `faults` and `violations` (JSON), `verdicts.CANDIDATE` (a letter a
@@ -49,9 +50,9 @@ from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import is_si
 
 FORMAT = "trackmarshal-record"
-VERSION = 4
-#: Of version 2, rows do not say their places; of version 3, not what cycles did not have.
-_KNOWN = (2, 3, VERSION)
+VERSION = 5
+#: Of version 2, rows do not say their places; of version 3, not what cycles did not have; of version 4, an empty name of a track is none.
+_KNOWN = (2, 3, 4, VERSION)
 #: Endings of other formats: what opens a file by its name would find no file of its own under them.
 _OTHERS = (".mcap", ".jsonl", ".json", ".csv", ".saa", ".gz", ".zip", ".parquet", ".feather", ".yaml", ".yml")
 _ROW: Column = ("row", INT)
@@ -159,9 +160,10 @@ class Record:
         row: bytes | bytearray = b""
         kept = self._kept
         if frame is not None and self._plain and not decision.faults:
-            left_out, names = _left_out(cycle, self._spare), _track_names(cycle, self._corridors)
-            if left_out is not None and names is not None:
-                row = self._row(times, left_out, names, frame, decision)
+            names = _track_names(cycle, self._corridors)
+            left_out = None if names is None else _left_out(cycle, self._spare, names)
+            if names is not None and left_out is not None:
+                row = self._row(times, left_out, [name or "" for name in names.values()], frame, decision)
             kept = frame.lines if row else kept
         if not row:
             raw = json.dumps(_plain(cycle))
@@ -280,14 +282,14 @@ class Record:
 _NOTHING = np.zeros(0)
 
 
-def _track_names(cycle: Any, corridors: Sequence[str]) -> list[str] | None:
-    """What a cycle which passed the door calls its tracks, empty for nothing; None where that is no text."""
-    found: list[str] = []
+def _track_names(cycle: Any, corridors: Sequence[str]) -> dict[str, str | None] | None:
+    """What a cycle which passed the door calls its tracks; None where what was handed in cannot be asked."""
+    found: dict[str, str | None] = {}
     try:
         for signal in corridors:
             given = cycle.signals.get(signal)
             name = given.get("name") if is_a(given, Mapping) else None
-            found.append(str.__str__("" if name is None else name))
+            found[signal] = None if name is None else str.__str__(name)
     except Exception:  # what was handed in has a say in how it is read
         return None
     return found
@@ -297,10 +299,10 @@ def _track_names(cycle: Any, corridors: Sequence[str]) -> list[str] | None:
 _Spare = list[tuple[str, tuple[tuple[str, str], ...]]]
 
 
-def _left_out(cycle: Any, spare: _Spare) -> str | None:
+def _left_out(cycle: Any, spare: _Spare, names: Mapping[str, str | None]) -> str | None:
     """JSON of the columns that a cycle which passed the door does not have, empty for none; each with the places of elements where only some lack
-    it. None where what was handed in cannot be asked."""
-    found: list[_Lacking] = []
+    it. names: of its tracks. None where what was handed in cannot be asked."""
+    found: list[_Lacking] = [f"{signal}.name" for signal, name in names.items() if name is None]
     try:
         for name, fields in spare:
             given: Any = (
@@ -489,7 +491,7 @@ def read(data: bytes, shown: str) -> Run:
         try:
             missed += int(values[len(_TIMES) - 1])
             if values[-len(_DECISION)]:
-                cycles.append(_recorded(values, inputs, kept))
+                cycles.append(_recorded(values, inputs, kept, version))
                 if members and type(cycles[-1].cycle) is Cycle:
                     by_name(cycles[-1].cycle, members)
             elif not values[len(_TIMES)]:
@@ -531,7 +533,9 @@ def _identity(given: Any) -> dict[str, Any]:
     return given
 
 
-def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any]) -> Recorded:
+def _recorded(
+    values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str], Any], version: int
+) -> Recorded:
     times, (raw, left_out) = values[: len(_TIMES)], values[len(_TIMES) : len(_TIMES) + 2]
     columns = values[len(_TIMES) + 2 : len(_TIMES) + 2 + len(inputs)]
     lacking = json.loads(left_out) if left_out else ()
@@ -543,7 +547,7 @@ def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str
         signals: dict[str, Any] = {}
         for (part, signal, field, _), value in zip(inputs, columns):
             if f"{signal}.{field}" in lacking:
-                if part != "plan":
+                if part not in ("plan", "name"):
                     signals.setdefault(signal, {})
             elif part == "plan":
                 plans[signal][field] = value
@@ -561,7 +565,7 @@ def _recorded(values: list[Any], inputs: list[_Input], kept: dict[tuple[str, str
             elif part == "closed":
                 signals.setdefault(signal, {})["closed"] = bool(value)
             elif part == "name":
-                if value:
+                if value or version > 4:
                     signals.setdefault(signal, {})["name"] = value
             else:
                 signals.setdefault(signal, {})["id" if part == "ids" else field] = value
