@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import BACKENDS, Evaluator, broken_constraints
 from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime import members, written_units
+from trackmarshal.runtime import declared
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
@@ -81,9 +81,9 @@ def rulebox(
     if settings.broken:
         raise TrackmarshalError("E403", settings.broken[0], help="change the parameters")
     spec = evaluator.spec
-    units = {**written_units.of_fields(spec.signals.values()), **written_units.of_values(spec, **given)}
-    meant = {"members": members.listed(spec), "units": written_units.listed(units)}
-    return Rulebox(evaluator, settings, {**evaluator.identity, **as_plain(given), **meant})
+    own = evaluator.identity
+    units = [*own["units"], *declared.listed(declared.units_of_values(spec, **given))]
+    return Rulebox(evaluator, settings, {**own, **as_plain(given), "units": units})
 
 
 def limits_with(spec: Spec, changes: Mapping[str, Any], settings: Settings = NO_SETTINGS) -> Limits:
@@ -215,5 +215,5 @@ def box_of(run: Run, spec: Spec, backend: str | None = None) -> Rulebox:
     identity = run.identity
     own = str(identity.get("backend"))
     evaluator = Evaluator(spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0]))
-    written_units.check_numbers(run, spec, of_cycles(spec, evaluator.rules))
+    declared.check_numbers(run, spec, of_cycles(spec, evaluator.rules))
     return rulebox(evaluator, identity.get("params"), identity.get("tables"))

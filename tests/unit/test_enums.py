@@ -19,7 +19,7 @@ from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.process.messages import Entry, LinkError
-from trackmarshal.runtime import members
+from trackmarshal.runtime import declared
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.record import read
@@ -303,7 +303,7 @@ def test_places_of_members_that_nobody_named_are_not_guessed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Records of before: their heads do not say what their numbers stand for."""
-    monkeypatch.setattr(members, "listed", lambda spec: None)
+    monkeypatch.setattr(declared, "listed_members", lambda spec: None)
     path, spec = tmp_path / "run.arrows", tmp_path / "m.spec"
     driven(path, SPEC, [cycle(0, seen="red")])
     spec.write_text(SPEC)

@@ -9,8 +9,10 @@ import pytest
 
 import trackmarshal as tm
 from trackmarshal.cli.main import main
-from trackmarshal.runtime import written_units
-from trackmarshal.runtime.record import Run, read
+from trackmarshal.runtime import declared
+from trackmarshal.runtime.arrow import Layout, layout_of
+from trackmarshal.runtime.record import Record, Run, read
+from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import box_of, rerun
 
 #: 30 m/s is too fast.
@@ -50,6 +52,23 @@ def driven(path: Path, text: str) -> Run:
         assert not live.step(tm.Cycle(number, now[0], plan, dict(plan), {"ego": ego})).safe
     live.close()
     return read(path.read_bytes(), str(path))
+
+
+def test_a_record_of_the_public_classes_names_its_units(tmp_path: Path) -> None:
+    """It named none, and was refused by the very spec of its run."""
+    text = AS_IT_CAME.replace("w: m/s }", "w: km/h }")
+    spec, path = tm.loads(text), tmp_path / "run.arrows"
+    evaluator = tm.Evaluator(spec)
+    live = Supervisor(spec, evaluator.program, clock=lambda: 0.0)
+    live.recorder = Record(path, live.contract, live.limits, evaluator.program.identity)
+    plan = {"t": [0.0, 1.0], "w": [30.0, 30.0], **{name: [0.0, 0.0] for name in ("x", "y", "heading", "v")}}
+    ego = {"x": 0.0, "y": 0.0, "heading": 0.0, "lane": 1.0}
+    assert live.step(tm.Cycle(0, 0.0, plan, dict(plan), {"ego": ego})).safe
+    live.close()
+    run = read(path.read_bytes(), str(path))
+    assert [(decision.safe, found) for decision, found in rerun(run, box_of(run, spec))] == [(True, [])]
+    with pytest.raises(tm.TrackmarshalError, match=r"`plan[.]w` is in km/h in the record"):
+        box_of(run, tm.loads(AS_IT_CAME))
 
 
 @pytest.mark.parametrize("text", [SPEC, AS_IT_CAME])
@@ -94,7 +113,7 @@ def test_the_same_units_in_other_words_are_no_others(text: str, tmp_path: Path) 
 
 def test_units_that_nobody_said_are_not_guessed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Records of before: their heads do not say in which units their numbers are."""
-    monkeypatch.setattr(written_units, "listed", lambda units: None)
+    monkeypatch.setattr(declared, "unlisted", lambda units: None)
     run = driven(tmp_path / "run.arrows", SPEC)
     assert [decision.safe for decision, _ in rerun(run, box_of(run, tm.loads(SPEC)))] == [False] * 2
     for name in ("plan.w", "top", "most"):
@@ -103,7 +122,11 @@ def test_units_that_nobody_said_are_not_guessed(tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.parametrize("units", [5, [5], [["field"]], [["field", "ego.x", 1]], [["field", "ego.x", "mph"]], [["field", "ego.x", "km^99999999"]]])  # fmt: skip
-def test_a_head_with_units_that_are_none(units: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(written_units, "listed", lambda _: units)
+def test_a_head_with_units_that_are_none(units: Any, tmp_path: Path) -> None:
+    path = tmp_path / "run.arrows"
+    driven(path, SPEC)
+    layout, head = layout_of(path.read_bytes()) or pytest.fail("it has no head")
+    head = {**head, "identity": {**head["identity"], "units": units}}
+    del head["columns"]
     with pytest.raises(tm.TrackmarshalError, match="D162"):
-        driven(tmp_path / "run.arrows", SPEC)
+        read(Layout(layout.columns, head).schema, "x")

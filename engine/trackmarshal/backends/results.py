@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from trackmarshal.backends.undefined import in_gap, of_reads, why
@@ -12,6 +13,7 @@ from trackmarshal.backends.witness import Descent, Values
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import MIXED, undecided
 from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.runtime import declared
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import NOTHING, Judged, Memory, Rated, advisory
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult, Truth, Witness
@@ -42,8 +44,14 @@ class Outcomes(NamedTuple):
 
 
 def identity(spec: Spec, backend: str, rules: Sequence[RuleInfo]) -> dict[str, Any]:
-    """How a record names what rated: the spec, the evaluator, and the rules in order."""
-    return {"fingerprint": spec.fingerprint, "backend": backend, "rules": [rule.name for rule in rules]}
+    """How a record names what rated: the spec, the evaluator, and the rules in order; and in which units numbers are, and which members places are of."""
+    return {
+        "fingerprint": spec.fingerprint,
+        "backend": backend,
+        "rules": [rule.name for rule in rules],
+        "members": declared.listed_members(spec),
+        "units": declared.listed(declared.units_of_fields(spec.signals.values())),
+    }
 
 
 class Stateless(ABC):
@@ -59,7 +67,7 @@ class Stateless(ABC):
         self.rules: Sequence[RuleInfo] = [rule for rule in rules if rule.formula is not None]
         self.leaves = leaves
 
-    @property
+    @cached_property
     def identity(self) -> Mapping[str, Any]:
         return identity(self.spec, self.backend, self.rules)
 

@@ -1,4 +1,4 @@
-"""Members of enumerations in records: by their names, whatever places they have in the enumeration that is in force later."""
+"""Members of enumerations in a record that was read: by their names, whatever places they have in the enumeration that is in force later."""
 
 from __future__ import annotations
 
@@ -6,46 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from trackmarshal.ir.reads import PLAN
-from trackmarshal.ir.spec import Spec
-from trackmarshal.runtime.contract import Contract, Field
 from trackmarshal.runtime.cycle import Cycle
+from trackmarshal.runtime.declared import Members
 from trackmarshal.runtime.door.values import floats, is_array, number
-
-#: Fields that have members: their signals, names, whether they are columns, and the members in order. A field of the plan is one of both candidates.
-Members = Sequence[tuple[str, str, bool, Sequence[str]]]
-
-
-def listed(spec: Spec) -> list[list[Any]]:
-    """Those of all fields that a spec declares, read or not: a later rule may read what came in and nobody read."""
-    return [
-        [signal.name, field.name, signal.many or signal.sequence, list(field.enumeration.members)]
-        for signal in spec.signals.values()
-        for field in signal.fields_
-        if field.enumeration is not None
-    ]
-
-
-def unlisted(given: Any) -> Members | None:
-    """What a record says of them; None where it is of a time when records did not. Raises ValueError for another shape."""
-    if given is None:
-        return None
-    found = [(signal, field, column, tuple(names)) for signal, field, column, names in given]
-    if any(
-        type(column) is not bool or not {str}.issuperset(map(type, (signal, field, *names)))
-        for signal, field, column, names in found
-    ):
-        raise ValueError("its members are no names")
-    return found
-
-
-def numbers_of(contract: Contract) -> dict[str, Field]:
-    """The fields of a contract that are numbers, by signal and name."""
-    assert contract.plan is not None
-    return {
-        f"{signal.name}.{field.name}": field
-        for signal in (contract.plan, *contract.signals)
-        for field in signal.numbers
-    }
 
 
 def by_name(cycle: Cycle, members: Members) -> None:

@@ -87,7 +87,7 @@ class Program(Protocol):
 
     @property
     def identity(self) -> Mapping[str, Any]:
-        """What verdicts depend on besides frames, for the record: `backend`, the spec's `fingerprint`, the rules."""
+        """What verdicts depend on besides frames, for the record: `backend`, the spec's `fingerprint`, the rules, and its `units` and `members`."""
 
     def start(self) -> Memory:
         """What is remembered before the first cycle of a run."""

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime import written_units
+from trackmarshal.runtime import declared
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
@@ -42,11 +42,10 @@ from trackmarshal.runtime.door.values import entries, is_a, is_masked, mapping
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame, Packed
 from trackmarshal.runtime.lines import Line
-from trackmarshal.runtime.members import Members, by_name, unlisted
+from trackmarshal.runtime.members import by_name
 from trackmarshal.runtime.saving import Saving
 from trackmarshal.runtime.snapshots import EVERY, Parts, Snapshot, Snapshots
 from trackmarshal.runtime.stencil import Stencils, letters
-from trackmarshal.runtime.written_units import Units
 from trackmarshal.units import is_si
 
 FORMAT = "trackmarshal-record"
@@ -433,8 +432,8 @@ class Run:
     missed: int = 0
     snapshots: tuple[Snapshot, ...] = ()
     damage: str = ""
-    members: Members | None = None
-    units: Units | None = None
+    members: declared.Members | None = None
+    units: declared.Units | None = None
     source: str = ""
 
 
@@ -466,8 +465,8 @@ def read(data: bytes, shown: str) -> Run:
         inputs = [
             (str(part), str(signal), str(field), str(kind)) for part, signal, field, kind in head["inputs"]
         ]
-        members = unlisted(identity.get("members"))
-        units = written_units.unlisted(identity.get("units"))
+        members = declared.unlisted_members(identity.get("members"))
+        units = declared.unlisted(identity.get("units"))
         if layout.columns != tuple(_columns(inputs, version)):
             raise ValueError("its columns are not those of its inputs")
     except (KeyError, TypeError, ValueError, TrackmarshalError) as error:

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator
 from trackmarshal.backends.c.cycles import Arrival, CycleWriter
 from trackmarshal.backends.c.source import Source
 from trackmarshal.runtime.cycle import Cycle, Limits
+from trackmarshal.runtime.declared import check_numbers
 from trackmarshal.runtime.door.door import stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.runtime.record import Run
-from trackmarshal.runtime.written_units import check_numbers
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
 

@@ -11,6 +11,7 @@ from trackmarshal.ir.spec import ParamInfo, Spec, TableInfo, short_name
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.contract.tracks import elsewhere, places_of
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
+from trackmarshal.runtime.declared import check_numbers
 from trackmarshal.scenarios.inputs import SIGNALS, records_of
 from trackmarshal.scenarios.overrides import spoken
 from trackmarshal.scenarios.recording import COLUMNS, Recording
@@ -115,9 +116,6 @@ def check_fit(recording: Recording, evaluator: Evaluator) -> None:
     if recording.of_run is None:
         _check_si(recording, evaluator)
     else:
-        # With numpy, which whoever reads another recording does without.
-        from trackmarshal.runtime.written_units import check_numbers
-
         contract = of_cycles(evaluator.spec, evaluator.rules)
         check_numbers(recording.of_run, evaluator.spec, contract, recording.params, recording.tables)
     name = recording.track.get("name")

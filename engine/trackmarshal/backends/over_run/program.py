@@ -135,7 +135,7 @@ class Remembering:
         #: The frame that was judged last, and the cycle as it is if its driving candidate is driven, or if it is a case.
         self._last: tuple[Frame, Now] | None = None
 
-    @property
+    @cached_property
     def identity(self) -> Mapping[str, Any]:
         return identity(self.spec, self.inner.identity["backend"], self.rules)
 

@@ -90,6 +90,12 @@ class Contract(Node):
     def signal(self, name: str) -> Signal | None:
         return next((signal for signal in self.signals if signal.name == name), None)
 
+    @property
+    def numbers(self) -> dict[str, Field]:
+        """The fields of the plan and of all other signals that are numbers, by signal and name (`ego.v`)."""
+        signals = self.signals if self.plan is None else (self.plan, *self.signals)
+        return {f"{signal.name}.{field.name}": field for signal in signals for field in signal.numbers}
+
 
 def of_cases(spec: Spec, reads: Iterable[tuple[str, str]], places: Places = ()) -> Contract:
     """The contract of cases for rules that read these (signal, field) pairs: these fields, and the order of samples."""

@@ -1,15 +1,14 @@
-"""Units of the numbers in a record: those of then, beside which a spec may declare others later."""
+"""Units and members of the numbers in a record: those of then, beside which a spec may declare others later."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.spec import SignalType, Spec, short_name
 from trackmarshal.runtime.contract import Contract
-from trackmarshal.runtime.members import numbers_of
 from trackmarshal.units import is_si, parse_unit
 
 if TYPE_CHECKING:
@@ -17,12 +16,14 @@ if TYPE_CHECKING:
 
 #: By what a number is of (`field`, `param` or `table`) and its name (`ego.v`), the unit as it was declared; of a table those of both columns.
 Units = Mapping[tuple[str, str], tuple[str, ...]]
+#: Fields that have members: their signals, names, whether they are columns, and the members in order. A field of the plan is one of both candidates.
+Members = Sequence[tuple[str, str, bool, Sequence[str]]]
 
 #: No unit has such an exponent, and to work one out may take for ever.
 _ENDLESS = re.compile("[0-9]{3}")
 
 
-def of_fields(signals: Iterable[SignalType]) -> Units:
+def units_of_fields(signals: Iterable[SignalType]) -> Units:
     """The units of all fields of signals that are numbers, and no members."""
     return {
         ("field", f"{signal.name}.{field.name}"): (field.unit,)
@@ -32,7 +33,7 @@ def of_fields(signals: Iterable[SignalType]) -> Units:
     }
 
 
-def of_values(spec: Spec, params: Collection[str], tables: Collection[str]) -> Units:
+def units_of_values(spec: Spec, params: Collection[str], tables: Collection[str]) -> Units:
     """The units of values in place of a spec's own, by the names under which they are given."""
     found: dict[tuple[str, str], tuple[str, ...]] = {}
     for param in spec.params.values():
@@ -43,12 +44,12 @@ def of_values(spec: Spec, params: Collection[str], tables: Collection[str]) -> U
 
 
 def listed(units: Units) -> list[list[str]]:
-    """As the head of a record says it."""
+    """Units as the head of a record says them."""
     return [[kind, name, *of] for (kind, name), of in units.items()]
 
 
 def unlisted(given: Any) -> Units | None:
-    """What the head of a record says; None where it is of a time when heads did not. Raises ValueError for another shape."""
+    """The units that the head of a record says; None where it is of a time when heads did not. Raises ValueError for another shape."""
     if given is None:
         return None
     found = {(kind, name): tuple(of) for kind, name, *of in given}
@@ -58,6 +59,29 @@ def unlisted(given: Any) -> Units | None:
         if any(map(_ENDLESS.search, of)):
             raise ValueError("its units are none")
         _parsed(of)
+    return found
+
+
+def listed_members(spec: Spec) -> list[list[Any]]:
+    """Those of all fields that a spec declares, read or not, as the head of a record says them: a later rule may read what came in and nobody read."""
+    return [
+        [signal.name, field.name, signal.many or signal.sequence, list(field.enumeration.members)]
+        for signal in spec.signals.values()
+        for field in signal.fields_
+        if field.enumeration is not None
+    ]
+
+
+def unlisted_members(given: Any) -> Members | None:
+    """The members that the head of a record says; None where it is of a time when heads did not. Raises ValueError for another shape."""
+    if given is None:
+        return None
+    found = [(signal, field, column, tuple(names)) for signal, field, column, names in given]
+    if any(
+        type(column) is not bool or not {str}.issuperset(map(type, (signal, field, *names)))
+        for signal, field, column, names in found
+    ):
+        raise ValueError("its members are no names")
     return found
 
 
@@ -72,14 +96,14 @@ def check_numbers(
     units, shown = run.units, run.source
     params = run.identity.get("params", ()) if params is None else params
     tables = run.identity.get("tables", ()) if tables is None else tables
-    fields = numbers_of(contract)
+    fields = contract.numbers
     for name, field in fields.items():
         if field.members and run.members is None:
             raise _unsaid(f"of which members `{name}` has the places", shown)
         if field.members and ("field", name) in (units or {}):
             raise _other(f"`{name}` is a number in the record, and has members in the spec", shown)
     read: Units = {("field", name): (field.unit,) for name, field in fields.items() if not field.members}
-    for (kind, name), now in {**read, **of_values(spec, params, tables)}.items():
+    for (kind, name), now in {**read, **units_of_values(spec, params, tables)}.items():
         was = None if units is None else units.get((kind, name))
         if was is not None and _parsed(was) != _parsed(now):
             message = f"`{name}` is in {' and '.join(was)} in the record, and the spec has it in {' and '.join(now)}"
