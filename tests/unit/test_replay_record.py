@@ -295,6 +295,41 @@ def test_another_spec_is_noted_and_its_differences_shown(
     assert "margins.driving" in out
 
 
+def test_whatever_reads_a_record_says_that_another_spec_was_in_force(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`explain`, `diff` and pages of runs took its cycles for those of a run under the spec at hand."""
+    told = "another spec was in force than the one given here; its decisions may differ"
+    own, other, recording = tmp_path / "bare.spec", tmp_path / "other.spec", tmp_path / "run.arrows"
+    spec, held, _ = of_bare_cycles(tmp_path, "for all p in plan require p.v <= 50 m/s", [0, 1, 2])
+    other.write_text(own.read_text().replace("50 m/s", "49 m/s"))
+    (rule,) = spec.rules
+    for path, times in ((own, 0), (other, 1)):
+        loaded = tm.load(path)
+        for verb in (
+            ["replay", str(recording), "--spec", str(path)],
+            ["explain", str(recording), "--rule", rule.name, "--at", "0", "--spec", str(path)],
+            ["diff", str(path), str(path), "--on", str(recording)],
+            [
+                "compile",
+                str(path),
+                "--target",
+                "c",
+                "--out",
+                str(tmp_path / path.stem),
+                "--cycles",
+                str(recording),
+            ],
+        ):
+            main(verb)
+            assert capsys.readouterr().err.count(told) == times, verb
+        evaluator = tm.Evaluator(loaded)
+        assert run_record(tm.replay(held, evaluator), evaluator)["notes"].count(told) == times
+    for sides in ((own, other), (other, own)):
+        main(["diff", *map(str, sides), "--on", str(recording)])
+        assert told not in capsys.readouterr().err
+
+
 def test_a_record_is_a_recording_of_what_passed_the_door(record: Path) -> None:
     recording = tm.load_recording(record)
     assert [c.t for c in recording.cycles] == [0.0, 0.1, 0.4]

@@ -215,10 +215,8 @@ def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Itera
         tables, _ = known_tables(one, evaluator.spec)
         settings = rulebox(evaluator, known_params(one, evaluator.spec), tables).settings
         return cycle_file.of_recording(one, source, settings, further_names(one, evaluator))
-    identity = one.identity
-    if identity.get("fingerprint") != evaluator.spec.fingerprint:
-        print(
-            "note: a run was under another spec than is compiled; its decisions may differ", file=sys.stderr
-        )
-    box = rulebox(evaluator, identity.get("params"), identity.get("tables"))
+    other = one.other_spec(evaluator.spec)
+    if other:
+        print(f"note: {one.source}: {other}", file=sys.stderr)
+    box = rulebox(evaluator, one.identity.get("params"), one.identity.get("tables"))
     return cycle_file.of_run(one, source, box.settings)

@@ -142,11 +142,16 @@ class _Side:
 
 
 def _note(old: Judged, new: Judged) -> None:
-    """Say which edited values and which rules a recording does not show: that nothing differs on it says nothing of them."""
+    """Say which edited values and which rules a recording does not show: that nothing differs on it says nothing of them. And where it was the
+    record of a run under neither spec."""
+    from trackmarshal.scenarios.fields import other_spec
     from trackmarshal.scenarios.overrides import hidden
 
     for one in hidden(new.recording, old.evaluator.spec, new.evaluator.spec):
         say(f"note: {new.recording.name} does not show an edit: it has {one}", file=sys.stderr)
+    other = other_spec(new.recording, old.evaluator) and other_spec(new.recording, new.evaluator)
+    if other:
+        say(f"note: {new.recording.name}: {other}", file=sys.stderr)
     unknown = [rule.name for rule in new.evaluator.rules if rule.name in old.unknown & new.unknown]
     if unknown:
         rules = ", ".join(f"`{name}`" for name in unknown)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import sys
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -81,6 +82,7 @@ def _verdict(args: argparse.Namespace) -> int:
     from trackmarshal.cli.record import is_record
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
     from trackmarshal.scenarios import load
+    from trackmarshal.scenarios.fields import other_spec
     from trackmarshal.scenarios.overrides import known_tables
     from trackmarshal.units import in_full, moment
 
@@ -92,6 +94,9 @@ def _verdict(args: argparse.Namespace) -> int:
     recording = with_given(recording, args.given, args.because)
     project = optional_project(args)
     evaluator = evaluator_for(recording, spec_path, settings, project, [args.rule], "reference", more=more)
+    other = other_spec(recording, evaluator)
+    if other and not args.quiet:
+        say(f"note: {recording.name}: {other}", file=sys.stderr)
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(

@@ -45,12 +45,9 @@ def replay_record(
 
     run = read(content.read_record(path), path)
     box = box_of(run, spec, backend)
-    recorded = run.identity.get("fingerprint")
-    if recorded != box.identity["fingerprint"] and not quiet:
-        say(
-            f"note: {path}: another spec was in force than the one given here; its decisions may differ",
-            file=sys.stderr,
-        )
+    other = run.other_spec(box.evaluator.spec)
+    if other and not quiet:
+        say(f"note: {path}: {other}", file=sys.stderr)
     if run.damage and not quiet and format_ != "text":
         say(f"note: {path}: {run.damage}", file=sys.stderr)
     first = 0 if begin is None else _place(begin, run, path)

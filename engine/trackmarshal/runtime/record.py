@@ -32,6 +32,7 @@ from typing import Any
 import numpy as np
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime import declared
 from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Column, Layout, layout_of
 from trackmarshal.runtime.contract import EVENT, LINES, RECORD, SET, Contract, Signal
@@ -435,6 +436,12 @@ class Run:
     members: declared.Members | None = None
     units: declared.Units | None = None
     source: str = ""
+
+    def other_spec(self, spec: Spec) -> str:
+        """What is said where the spec at hand is not that of the run; empty where it is."""
+        if self.identity.get("fingerprint") == spec.fingerprint:
+            return ""
+        return "another spec was in force than the one given here; its decisions may differ"
 
 
 def is_record(data: bytes) -> bool:

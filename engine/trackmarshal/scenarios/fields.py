@@ -165,6 +165,11 @@ def unnamed_track(recording: Recording, evaluator: Evaluator) -> str:
     return f"it names no track; taken is that it is on {tracks}, where the places are that rules read"
 
 
+def other_spec(recording: Recording, evaluator: Evaluator) -> str:
+    """What is said where a recording was the record of a run under another spec than the one at hand; empty for all others."""
+    return "" if recording.of_run is None else recording.of_run.other_spec(evaluator.spec)
+
+
 def _declare(known: dict[str, set[str]], spec: Spec) -> None:
     for where, names in known.items():
         signal = spec.signals.get(where)

@@ -17,6 +17,7 @@ from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit, undecided
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import RuleResult, Said
+from trackmarshal.scenarios.fields import other_spec
 from trackmarshal.scenarios.in_force import in_force
 from trackmarshal.scenarios.inputs import defaulted
 from trackmarshal.scenarios.labels import kind_of
@@ -56,7 +57,7 @@ def run_record(replay: Replay, evaluator: Evaluator, source_hash: str = "") -> d
         "spec_fingerprint": evaluator.spec.fingerprint,
         "backend": evaluator.backend,
         "use": list(recording.use),
-        "notes": list(recording.notes),
+        "notes": [*recording.notes, *filter(None, [other_spec(recording, evaluator)])],
         "ignored_tables": list(replay.ignored),
         "overrides": [
             {"kind": one.kind, "name": one.name, "value": one.value, "own": one.own, "because": one.because}
