@@ -19,10 +19,12 @@ from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.runtime.record import Difference, Record, Run, differences
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.record.decided import Difference, differences
+from trackmarshal.runtime.record.reading import Run
+from trackmarshal.runtime.record.snapshots import EVERY, Snapshot
 from trackmarshal.runtime.saving import damaged
 from trackmarshal.runtime.settings import as_plain
-from trackmarshal.runtime.snapshots import EVERY, Snapshot
 from trackmarshal.runtime.supervisor import Supervisor
 
 if TYPE_CHECKING:

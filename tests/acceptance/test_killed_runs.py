@@ -12,7 +12,7 @@ import pytest
 
 from support import killed_runs
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.supervision import box_of, nearest, rerun
 
 pytestmark = pytest.mark.verifies("S-1-B-1")

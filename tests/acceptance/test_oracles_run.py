@@ -17,7 +17,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
-from trackmarshal.runtime.record import Run, read
+from trackmarshal.runtime.record.reading import Run, read
 from trackmarshal.runtime.verdict import About
 from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 

@@ -33,7 +33,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import FAULTS, name_of
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.faults.campaign import Bench
 from trackmarshal.scenarios.faults.declaration import Fault, load

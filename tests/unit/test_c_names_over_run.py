@@ -20,7 +20,7 @@ from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
-from trackmarshal.runtime.record import decided
+from trackmarshal.runtime.record.decided import decided
 from trackmarshal.semantics.calls import built_in_names
 from trackmarshal.syntax.keywords import RESERVED
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
-from trackmarshal.runtime.arrow import layout_of
-from trackmarshal.runtime.record import Run, read
+from trackmarshal.runtime.record.arrow import layout_of
+from trackmarshal.runtime.record.reading import Run, read
 from trackmarshal.scenarios.inputs import defaulted
 from trackmarshal.supervision import box_of, rerun
 

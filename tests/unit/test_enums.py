@@ -22,7 +22,7 @@ from trackmarshal.process.messages import Entry, LinkError
 from trackmarshal.runtime import declared
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.scenarios import recording_io
 from trackmarshal.scenarios.recording import Cycle as RecordedCycle
 from trackmarshal.scenarios.recording import Recording

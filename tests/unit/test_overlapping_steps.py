@@ -24,7 +24,8 @@ from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import FAULTS
-from trackmarshal.runtime.record import Record, read
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 

@@ -42,7 +42,8 @@ from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Settings
-from trackmarshal.runtime.record import Record, read
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.record.reading import read
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 BOTH = pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"], indirect=True)

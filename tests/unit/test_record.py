@@ -18,10 +18,12 @@ from support.cycles import PERIOD, cycle, mutate
 from support.length import amount
 from support.supervised import Clock, Oracle, made, shipped
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Layout, layout_of
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
-from trackmarshal.runtime.record import Difference, Record, Run, is_record, read
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.record.arrow import END, FLOAT, FLOATS, INT, TEXT, TEXTS, Layout, layout_of
+from trackmarshal.runtime.record.decided import Difference
+from trackmarshal.runtime.record.reading import Run, is_record, read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import rerun
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import trackmarshal as tm
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.supervision import box_of, rerun
 
 #: Units, Booleans and enumerations: none of it is kept as columns.
@@ -137,16 +137,16 @@ def test_what_the_door_refuses_is_refused_again(number: int, tmp_path: Path) -> 
 
 def test_a_cycle_that_cannot_be_written_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever it is that fails, and not the disk alone."""
-    from trackmarshal.runtime import record
+    from trackmarshal.runtime.record import writing
 
-    path, plain = tmp_path / "run.arrows", record._plain
+    path, plain = tmp_path / "run.arrows", writing.plain
 
     def failing(value: Any, depth: int = 0) -> Any:
         if getattr(value, "number", None) == 1:
             raise TypeError("no word for it")
         return plain(value, depth)
 
-    monkeypatch.setattr(record, "_plain", failing)
+    monkeypatch.setattr(writing, "plain", failing)
     decisions, supervisor = recorded(path, [cycle(0), cycle(1), cycle(2)])
     assert all(decision.safe for decision in decisions)
     assert supervisor.record_error != ""

@@ -17,10 +17,10 @@ from support.supervised import ROOT, Clock, made, shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.evaluation import load
-from trackmarshal.runtime import stencil
 from trackmarshal.runtime.door.lines import line
-from trackmarshal.runtime.record import Record, Run, read
-from trackmarshal.runtime.stencil import letters
+from trackmarshal.runtime.record import Record, stencil
+from trackmarshal.runtime.record.reading import Run, read
+from trackmarshal.runtime.record.stencil import letters
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import supervisor
 

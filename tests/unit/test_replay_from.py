@@ -26,8 +26,9 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle, Limits
-from trackmarshal.runtime.record import Run, decided, read
-from trackmarshal.runtime.snapshots import Snapshot
+from trackmarshal.runtime.record.decided import decided
+from trackmarshal.runtime.record.reading import Run, read
+from trackmarshal.runtime.record.snapshots import Snapshot
 from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 
@@ -463,7 +464,7 @@ def test_a_damaged_snapshot_is_said_and_an_earlier_one_used(
     project: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One whose row is whole, and whose content is not what was saved."""
-    from trackmarshal.runtime import snapshots
+    from trackmarshal.runtime.record import snapshots
 
     more = snapshots.Snapshots._more
 

@@ -18,8 +18,8 @@ from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.cli.replay import overruled, summary
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.runtime.arrow import END, layout_of
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.arrow import END, layout_of
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.faults.campaign import Bench
 from trackmarshal.scenarios.faults.declaration import Campaign, Fault

@@ -15,7 +15,7 @@ from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.ir.spec import Spec, track_of
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.recording_io import write
 from trackmarshal.supervision import box_of, rerun

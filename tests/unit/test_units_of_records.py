@@ -10,8 +10,9 @@ import pytest
 import trackmarshal as tm
 from trackmarshal.cli.main import main
 from trackmarshal.runtime import declared
-from trackmarshal.runtime.arrow import Layout, layout_of
-from trackmarshal.runtime.record import Record, Run, read
+from trackmarshal.runtime.record import Record
+from trackmarshal.runtime.record.arrow import Layout, layout_of
+from trackmarshal.runtime.record.reading import Run, read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import box_of, rerun
 

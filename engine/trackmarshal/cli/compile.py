@@ -23,7 +23,7 @@ from trackmarshal.files import other_there
 if TYPE_CHECKING:
     from trackmarshal.backends.c.source import Source
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.runtime.record import Run
+    from trackmarshal.runtime.record.reading import Run
     from trackmarshal.scenarios.recording import Recording
 
 #: How every header that this writes begins.
@@ -171,7 +171,7 @@ def _read(path: str, spec_path: Path, chosen: list[Path]) -> tuple[str, Recordin
     """A recording, without the values that are chosen, or the record of a run; and the name of its file of cycles."""
     from trackmarshal.cli.record import is_record
     from trackmarshal.cli.replay import overruled
-    from trackmarshal.runtime.record import read
+    from trackmarshal.runtime.record.reading import read
     from trackmarshal.scenarios import content, load
 
     if is_record(path):

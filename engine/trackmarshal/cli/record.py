@@ -18,7 +18,8 @@ from trackmarshal.units import moment
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec
     from trackmarshal.runtime.decision import Decision
-    from trackmarshal.runtime.record import Difference, Recorded, Run
+    from trackmarshal.runtime.record.decided import Difference
+    from trackmarshal.runtime.record.reading import Recorded, Run
 
 #: Differences that the text shows.
 SHOWN = 10
@@ -26,10 +27,10 @@ SHOWN = 10
 
 def is_record(path: str) -> bool:
     """Whether a file begins as a record of a run does."""
-    from trackmarshal.runtime import record
+    from trackmarshal.runtime.record import reading
 
     try:
-        return record.is_record(read_regular(Path(path), 4))
+        return reading.is_record(read_regular(Path(path), 4))
     except (OSError, ValueError):
         return False  # said by whoever reads it as a recording
 
@@ -39,7 +40,7 @@ def replay_record(
 ) -> int:  # fmt: skip
     """Print what became of it, from a place on where `begin` says one; 0 when there are decisions, every one is the recorded one and none is
     missing, else 1. Raises D120, D124, D161, D162, E436, E484."""
-    from trackmarshal.runtime.record import read
+    from trackmarshal.runtime.record.reading import read
     from trackmarshal.scenarios import content
     from trackmarshal.supervision import box_of, nearest, rerun
 

@@ -12,7 +12,7 @@ from trackmarshal.runtime.contract import Contract
 from trackmarshal.units import is_si, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.runtime.record import Run
+    from trackmarshal.runtime.record.reading import Run
 
 #: By what a number is of (`field`, `param` or `table`) and its name (`ego.v`), the unit as it was declared; of a table those of both columns.
 Units = Mapping[tuple[str, str], tuple[str, ...]]

@@ -11,7 +11,7 @@ from trackmarshal.runtime.declared import check_numbers
 from trackmarshal.runtime.door.door import stamp_of
 from trackmarshal.runtime.door.reading import CycleReader
 from trackmarshal.runtime.frame import Settings
-from trackmarshal.runtime.record import Run
+from trackmarshal.runtime.record.reading import Run
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.supervised import cycles
 

@@ -19,7 +19,9 @@ from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
-from trackmarshal.runtime.record import Opaque, Recorded, Run, decided_by_name
+from trackmarshal.runtime.record.decided import decided_by_name
+from trackmarshal.runtime.record.raw import Opaque
+from trackmarshal.runtime.record.reading import Recorded, Run
 
 FRAME = "map"
 _LIBRARY = "trackmarshal"

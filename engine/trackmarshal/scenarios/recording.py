@@ -14,7 +14,7 @@ from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.units import moment
 
 if TYPE_CHECKING:
-    from trackmarshal.runtime.record import Run
+    from trackmarshal.runtime.record.reading import Run
 
 #: A trajectory: equally long lists, by name.
 Columns = dict[str, list[float]]

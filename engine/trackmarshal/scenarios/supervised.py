@@ -24,7 +24,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
 from trackmarshal.runtime.program import NOTHING, Judged, Memory
-from trackmarshal.runtime.record import read
+from trackmarshal.runtime.record.reading import read
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.scenarios.fields import ELSEWHERE, check_fit, further_names, own_names
 from trackmarshal.scenarios.overrides import known_params

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from trackmarshal.runtime.arrow import Layout
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.frame import Arena, Frame
 from trackmarshal.runtime.program import Copied, Judged
+from trackmarshal.runtime.record.arrow import Layout
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
