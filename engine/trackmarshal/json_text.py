@@ -57,19 +57,45 @@ def parse(text: str, *, constants: bool = False) -> Any:
         raise BadJson("a byte order mark stands elsewhere than at the start of a file")
     try:
         value = _DECODERS[constants].decode(text)
-        if "\\u" in text:  # an escaped half of a pair of surrogates is no character, and cannot be printed
-            json.dumps(value, ensure_ascii=False).encode()
-        return value
+        return _whole(value) if "\\u" in text else value
     except BadJson:
         raise
     except json.JSONDecodeError as error:
         raise BadJson(f"{error.msg} at character {error.pos + 1}") from error
     except RecursionError as error:
         raise BadJson("nested too deeply") from error
-    except UnicodeEncodeError as error:
-        raise BadJson("half a pair of surrogates is no character") from error
     except ValueError as error:  # an integer with thousands of digits
         raise BadJson(str(error)) from error
+
+
+def _whole(value: Any) -> Any:
+    """A value; raises BadJson where it has an escaped half of a pair of surrogates, which is no character and cannot be printed."""
+    try:
+        json.dumps(value, ensure_ascii=False).encode()
+    except UnicodeEncodeError as error:
+        raise BadJson("half a pair of surrogates is no character") from error
+    return value
+
+
+def strict(data: bytes) -> Any:
+    """What a file of JSON says that has no NaN and no name twice in an object, of which readers take the one or the other; raises ValueError, where it is
+    no JSON with the line (`JSONDecodeError`), also for nesting without end."""
+    try:
+        value = json.loads(data.decode("utf-8"), parse_constant=_no_number, object_pairs_hook=_no_twins)
+    except RecursionError as error:  # what it says differs by the version of Python
+        raise ValueError("nested too deeply") from error
+    return _whole(value) if b"\\u" in data else value
+
+
+def _no_twins(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    made = dict(pairs)
+    if len(made) < len(pairs):
+        raise ValueError(f"`{named_twice(name for name, _ in pairs):.60}` is there twice in one object")
+    return made
+
+
+def _no_number(word: str) -> Never:
+    raise ValueError(f"{word} is not strict JSON")
 
 
 def number(value: Any) -> float:

@@ -384,7 +384,8 @@ class _Results:
         from datetime import UTC, datetime
 
         from trackmarshal import __version__
-        from trackmarshal.records import ExternalTest, ResultsFile, save
+        from trackmarshal.records.results_file import ResultsFile, save
+        from trackmarshal.records.tests import ExternalTest
 
         now = datetime.now(UTC).isoformat(timespec="seconds")
         items = []

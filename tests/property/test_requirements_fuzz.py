@@ -21,7 +21,9 @@ from jsonschema import Draft202012Validator, FormatChecker
 from golden.trace.cases import PROJECT, TODAY, Small
 from support.length import amount
 from trackmarshal import trace
-from trackmarshal.records import Ref, RuleFacts, RunSummary, SpecItem, SpecTest, TestResult, TruthFacts
+from trackmarshal.records.runs import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records.specs import Ref, SpecItem, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace import requirements, schema
 from trackmarshal.trace.findings import Finding
 

@@ -15,7 +15,7 @@ from support.project import run_command
 from support.start import new_project
 from trackmarshal.cli import evidence, sources
 from trackmarshal.cli.assessment import assess
-from trackmarshal.records import RunSummary
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.store import FILE
 
 

@@ -15,7 +15,8 @@ from golden.trace.cases import HERE
 from support.project import command
 from trackmarshal.cli.days import day
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import ExternalTest, ResultsFile, save
+from trackmarshal.records.results_file import ResultsFile, save
+from trackmarshal.records.tests import ExternalTest
 
 WAIVER = """waivers:
   - id: W-1

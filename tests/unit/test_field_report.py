@@ -14,12 +14,13 @@ import yaml
 
 from support import field_logs
 from support.schemas import hold
-from trackmarshal import records
 from trackmarshal.cli.main import main
 from trackmarshal.cli.replay import evaluator_for
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load
 from trackmarshal.ir.spec import Spec
+from trackmarshal.records import results_file
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.scenarios import load as load_recording
 from trackmarshal.scenarios.field import mapping
 from trackmarshal.scenarios.field.build import Drive, as_it_is, build
@@ -492,8 +493,8 @@ def test_a_kept_run_is_of_what_the_mapping_alone_says(
     monkeypatch.chdir(ROOT)
     kept = tmp_path / "run.json"
     status = main(["import", "log", "--map", str(EXTRACT), "--keep", str(kept), "--quiet"])
-    (run,) = records.load(kept).items
-    assert isinstance(run, records.RunSummary)
+    (run,) = results_file.load(kept).items
+    assert isinstance(run, RunSummary)
     declared = mapping.read(EXTRACT)
     evaluator = evaluator_for(
         header(declared), ROOT / "specs" / "supervisor", [], ROOT, None, "numpy", EXTRACT.parent

@@ -261,7 +261,7 @@ def test_numbers_of_other_readers() -> None:
         status, out, err = run_command("trace", "--as-is", "--gate")
         assert status == 1, err
         assert "error[T122]" in out
-    from trackmarshal.records import load as load_results
+    from trackmarshal.records.results_file import load as load_results
 
     Path("runs.json").write_text(
         json.dumps({"format": "trackmarshal-results", "version": 1, "holds": "runs", "tool": "x", "created": "x", "items": [

@@ -5,7 +5,8 @@ from __future__ import annotations
 from datetime import date
 
 from trackmarshal import trace
-from trackmarshal.records import SpecTest, TestResult
+from trackmarshal.records.specs import SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.gsn.building import build
 from trackmarshal.trace.gsn.case import Case
 from trackmarshal.trace.gsn.modules import LIMIT

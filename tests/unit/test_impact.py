@@ -18,7 +18,8 @@ from trackmarshal.cli.answers import commit
 from trackmarshal.files import digest
 from trackmarshal.meaning.tool import HERE as HERE_OF_ENGINE
 from trackmarshal.meaning.tool import tool, tool_of
-from trackmarshal.records import ExternalTest, ResultsFile, save
+from trackmarshal.records.results_file import ResultsFile, save
+from trackmarshal.records.tests import ExternalTest
 from trackmarshal.trace.impact.resting import order
 
 GOLDEN = HERE.parent / "impact"

@@ -13,7 +13,7 @@ from support.growth import grows
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.junit import reading
 from trackmarshal.junit.writing import Line, render
-from trackmarshal.records import ExternalTest
+from trackmarshal.records.tests import ExternalTest
 
 PYTEST = """<?xml version="1.0" encoding="utf-8"?><testsuites name="pytest tests"><testsuite name="pytest" errors="1" failures="1" skipped="1" tests="4" time="0.034" timestamp="2026-06-01T12:00:00.123456+00:00" hostname="here"><testcase classname="tests.test_a" name="test_good" time="0.001"><properties><property name="verifies" value="S-1-B-1" /><property name="verifies" value="S-1-B-4" /></properties></testcase><testcase classname="tests.test_a" name="test_bad" time="0.002"><failure message="assert 1 == 2">def test_bad():
 &gt;       assert 1 == 2</failure></testcase><testcase classname="tests.test_a" name="test_left_out" time="0.000"><skipped type="pytest.skip" message="no compiler">tests/test_a.py:9: no compiler</skipped></testcase><testcase classname="tests.test_a" name="test_broken" time="0.000"><error message="failed on setup with &quot;OSError&quot;">...</error></testcase></testsuite></testsuites>"""

@@ -176,7 +176,7 @@ def test_a_shipped_constraint_is_held_where_a_claimed_rule_reads_what_it_restric
     read: str, held: list[str]
 ) -> None:
     from trackmarshal.cli.evidence import spec_parts
-    from trackmarshal.records import SpecItem
+    from trackmarshal.records.specs import SpecItem
 
     compiled = compile_paths([REPOSITORY / "specs" / "supervisor"])
     files = {constraint.span.file.path for constraint in compiled.spec.constraints}

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from trackmarshal.cli import choose, evaluate
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.json_text import BadJson, named_twice, parse
-from trackmarshal.records import strict
+from trackmarshal.json_text import BadJson, named_twice, parse, strict
 from trackmarshal.trace.exchange import csv_text, needs
 from trackmarshal.trace.exchange.refused import Refused
 

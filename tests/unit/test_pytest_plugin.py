@@ -19,7 +19,8 @@ import pytest
 from golden.trace.cases import PROJECT
 from trackmarshal import pytest_plugin
 from trackmarshal.junit import reading
-from trackmarshal.records import ExternalTest, load
+from trackmarshal.records.results_file import load
+from trackmarshal.records.tests import ExternalTest
 
 TESTS = """
 import pytest

@@ -137,9 +137,9 @@ def test_what_the_door_refuses_is_refused_again(number: int, tmp_path: Path) -> 
 
 def test_a_cycle_that_cannot_be_written_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever it is that fails, and not the disk alone."""
-    from trackmarshal.runtime.record import writing
+    from trackmarshal.runtime.record import raw, writing
 
-    path, plain = tmp_path / "run.arrows", writing.plain
+    path, plain = tmp_path / "run.arrows", raw.plain
 
     def failing(value: Any, depth: int = 0) -> Any:
         if getattr(value, "number", None) == 1:

@@ -15,7 +15,8 @@ import pytest
 from support.report_runs import cycle, large, other, overtaking, record, recording
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RuleFacts, RunSummary
 from trackmarshal.trace.report import write_report
 from trackmarshal.trace.report.codes import CODES
 from trackmarshal.trace.report.firings import firing_rows

@@ -19,7 +19,7 @@ from support.project import command, run_command
 from support.safety_case import DAY, NUMBER, Page, corpus, edit, graph_numbers, html, is_place
 from trackmarshal import trace
 from trackmarshal.cli import assessment
-from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records.runs import DriveFacts, LeastMargin, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.case.content import NAMES
 
 

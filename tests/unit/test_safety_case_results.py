@@ -14,7 +14,7 @@ import pytest
 from support.project import command
 from support.safety_case import DAY, Page, edit, html
 from trackmarshal.cli import assessment
-from trackmarshal.records import FaultCase, FaultResult
+from trackmarshal.records.faults import FaultCase, FaultResult
 
 
 def under(page: Page, beginning: str) -> dict[str, str]:

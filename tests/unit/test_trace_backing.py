@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from support.project import command, run_command
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace.backing import backed
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.model import Backing, Project

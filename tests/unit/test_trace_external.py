@@ -10,7 +10,8 @@ import pytest
 
 from golden.trace.cases import Small
 from trackmarshal import trace
-from trackmarshal.records import ExternalTest, ResultsFile, save
+from trackmarshal.records.results_file import ResultsFile, save
+from trackmarshal.records.tests import ExternalTest
 from trackmarshal.trace import outside, requirements
 from trackmarshal.trace.baseline.content import reported
 from trackmarshal.trace.cells import Cell

@@ -15,7 +15,7 @@ from support.project import command
 from support.start import new_project
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import SpecItem, SpecTest
+from trackmarshal.records.specs import SpecItem, SpecTest
 
 ITEMS, TESTS, RESULTS, RUNS = Small().parts()
 BASELINE = "requirements/baseline.json"

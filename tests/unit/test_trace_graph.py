@@ -17,7 +17,9 @@ from support.length import amount
 from support.project import command
 from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import PART_KINDS, FaultCase, Ref, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records.faults import FaultCase
+from trackmarshal.records.specs import PART_KINDS, Ref, SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.checks import SUGGESTED
 from trackmarshal.trace.graph.graph import Graph, Key, Link, Node

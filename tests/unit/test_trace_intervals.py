@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from trackmarshal.records import SpecPart
+from trackmarshal.records.specs import SpecPart
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph import intervals
 from trackmarshal.trace.graph.graph import Graph, Link, Node

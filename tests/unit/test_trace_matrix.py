@@ -12,7 +12,8 @@ import pytest
 
 from golden.trace.cases import HERE, PROJECT, TODAY, Small, apply
 from trackmarshal import trace
-from trackmarshal.records import FaultCase, FaultResult, RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.cells import combined
 from trackmarshal.trace.faults import verdict
 from trackmarshal.trace.spec import Spec, changed

@@ -11,22 +11,13 @@ import pytest
 
 from golden.trace.cases import PROJECT, Small
 from support.project import run_command
-from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import (
-    ExternalTest,
-    FaultCase,
-    FaultResult,
-    Record,
-    Ref,
-    ResultsFile,
-    RuleFacts,
-    RunSummary,
-    SpecItem,
-    SpecTest,
-    TestResult,
-    TruthFacts,
-)
+from trackmarshal.records import results_file
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.results_file import Record, ResultsFile
+from trackmarshal.records.runs import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records.specs import Ref, SpecItem, SpecTest
+from trackmarshal.records.tests import ExternalTest, TestResult
 
 ITEM = SpecItem(
     "rule", "friction", "Grip", (Ref("S-1-A-4", 4, 13),), (Ref("A-FRICTION", 5, 13),), "specs/a.spec", 3, 1, "ab" * 32,
@@ -73,8 +64,8 @@ EXTERNAL = ExternalTest(
 def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:
     path = tmp_path / "results" / "file.json"
     file = ResultsFile(holds, (record, record), "0.1.0", "2026-06-01T12:00:00+00:00")
-    records.save(path, file)
-    assert records.load(path) == file
+    results_file.save(path, file)
+    assert results_file.load(path) == file
     assert [p.name for p in path.parent.iterdir()] == ["file.json"]  # no draft is left behind
 
 
@@ -139,7 +130,7 @@ def changed(record: Any, **fields: Any) -> dict[str, Any]:
 def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_path: Path) -> None:
     path = tmp_path / "file.json"
     envelope = {
-        "format": records.FORMAT,
+        "format": results_file.FORMAT,
         "version": 1,
         "tool_version": "0",
         "created": "",
@@ -148,7 +139,7 @@ def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_p
     }
     path.write_text(json.dumps(envelope), encoding="utf-8")
     with pytest.raises(TrackmarshalError) as caught:
-        records.load(path, "out/results/file.json")
+        results_file.load(path, "out/results/file.json")
     assert caught.value.code == "T290"
     assert caught.value.file == "out/results/file.json"
     assert said in caught.value.message
@@ -176,14 +167,14 @@ def test_what_is_no_results_file_is_refused(content: bytes, said: str, tmp_path:
     path = tmp_path / "file.json"
     path.write_bytes(content)
     with pytest.raises(TrackmarshalError) as caught:
-        records.load(path)
+        results_file.load(path)
     assert caught.value.code == "T290"
     assert said in caught.value.message
 
 
 def test_a_folder_is_no_results_file(tmp_path: Path) -> None:
     with pytest.raises(TrackmarshalError, match="T290"):
-        records.load(tmp_path)
+        results_file.load(tmp_path)
 
 
 def test_the_fixture_is_read_whole() -> None:

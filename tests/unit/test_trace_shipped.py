@@ -15,7 +15,9 @@ import yaml
 from jsonschema import Draft202012Validator, FormatChecker
 
 from trackmarshal import trace
-from trackmarshal.records import FaultCase, FaultResult, Ref, SpecItem, SpecTest, TestResult
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.specs import Ref, SpecItem, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.trace import schema
 from trackmarshal.trace.model import Entry

@@ -11,7 +11,7 @@ import pytest
 
 from golden.trace.cases import TODAY, Small
 from trackmarshal import trace
-from trackmarshal.records import TruthFacts
+from trackmarshal.records.runs import TruthFacts
 
 FIELD = "scenarios/field.jsonl"
 CUT_IN = "scenarios/cut_in.jsonl"

@@ -11,7 +11,7 @@ import trackmarshal as tm
 from support import field_logs
 from support.project import run_command
 from trackmarshal.files import other_there
-from trackmarshal.records import ResultsFile, save
+from trackmarshal.records.results_file import ResultsFile, save
 
 SPEC = """module m
 signal plan : trajectory { t: s increasing, v: m/s in [0, 100] }

@@ -15,7 +15,10 @@ from trackmarshal.cli.facts import Facts, facts
 from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.files import SETTLE, UNMERGED
-from trackmarshal.records import FaultResult, RunSummary, SpecTest, TestResult
+from trackmarshal.records.faults import FaultResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.store import Entry
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.cli import evidence
 from trackmarshal.cli.output import progress
-from trackmarshal.records import FaultCase, FaultResult
+from trackmarshal.records.faults import FaultCase, FaultResult
 
 if TYPE_CHECKING:
     from trackmarshal.cli.replay import Known

@@ -14,7 +14,7 @@ from trackmarshal.cli.facts import Facts
 if TYPE_CHECKING:
     from trackmarshal.cli.sources import Sources
     from trackmarshal.evaluation import Evaluator
-    from trackmarshal.records import SpecItem
+    from trackmarshal.records.specs import SpecItem
     from trackmarshal.scenarios.recording import Recording
     from trackmarshal.testing.boundary import Distances
 

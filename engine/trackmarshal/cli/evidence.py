@@ -11,20 +11,10 @@ from weakref import WeakKeyDictionary
 
 from trackmarshal import __version__
 from trackmarshal.files import digest, write_whole
-from trackmarshal.records import (
-    Record,
-    Ref,
-    ResultsFile,
-    RuleFacts,
-    RunSummary,
-    SpecItem,
-    SpecPart,
-    SpecTest,
-    TestResult,
-    TruthFacts,
-    load,
-    save,
-)
+from trackmarshal.records.results_file import Record, ResultsFile, load, save
+from trackmarshal.records.runs import RuleFacts, RunSummary, TruthFacts
+from trackmarshal.records.specs import Ref, SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 
 if TYPE_CHECKING:
     from trackmarshal.evaluation import Evaluator

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli.kept import kept
-from trackmarshal.records import FaultCase, SpecItem, SpecPart, SpecTest
+from trackmarshal.records.faults import FaultCase
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding

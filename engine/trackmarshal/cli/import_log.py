@@ -20,7 +20,7 @@ from trackmarshal.cli.output import progress, say, table
 from trackmarshal.cli.project import find_project, from_project, optional_project
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import other_there
-from trackmarshal.records import DriveFacts, LeastMargin, RuleFacts, RunSummary
+from trackmarshal.records.runs import DriveFacts, LeastMargin, RuleFacts, RunSummary
 
 if TYPE_CHECKING:
     from trackmarshal.scenarios.field.build import Drive

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from trackmarshal import cache
-from trackmarshal.records import TestResult
+from trackmarshal.records.tests import TestResult
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.cli import campaigns, evidence
 from trackmarshal.cli.facts import Facts
-from trackmarshal.records import FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records.faults import FaultResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic

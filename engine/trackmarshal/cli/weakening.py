@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 
 if TYPE_CHECKING:
     from trackmarshal.cli.sources import Sources

@@ -16,7 +16,7 @@ from xml.parsers import expat
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
 from trackmarshal.junit.suite import AGAIN, Case, Suite
-from trackmarshal.records import ExternalTest
+from trackmarshal.records.tests import ExternalTest
 
 #: The largest report that is read.
 MAX_BYTES = 64_000_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from trackmarshal.records import ExternalTest
+from trackmarshal.records.tests import ExternalTest
 
 #: What `status` and `result` say of a test: GoogleTest, CTest and others write one even where nothing failed.
 _PASSED = frozenset({"", "run", "passed", "pass", "success", "successful", "completed", "ok", "executed"})

@@ -15,7 +15,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, margin_units
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.records import not_on_it
+from trackmarshal.records.tests import not_on_it
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 from trackmarshal.testing.boundary import Distances, near

@@ -22,9 +22,13 @@ import shutil
 from datetime import date
 from pathlib import Path
 
-from trackmarshal import records, trace
+from trackmarshal import trace
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records import results_file
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.findings import Place, error
 
 HERE = Path(__file__).parent
@@ -76,14 +80,14 @@ class Small:
             if isinstance(run, RunSummary)
         }
 
-    def _results(self) -> tuple[list[records.Record], list[trace.Finding]]:
+    def _results(self) -> tuple[list[results_file.Record], list[trace.Finding]]:
         """What came out, and what is wrong with the files that say so."""
-        results: list[records.Record] = []
+        results: list[results_file.Record] = []
         unread: list[trace.Finding] = []
         for path in sorted((self.root / "records").glob("*.json")):
             shown = f"records/{path.name}"
             try:
-                file = records.load(path, shown)
+                file = results_file.load(path, shown)
             except TrackmarshalError as problem:
                 place = Place(shown, problem.line or 0)
                 unread.append(error(problem.code, problem.message, place, problem.help or ""))
@@ -91,11 +95,11 @@ class Small:
                 results += file.items
         return results, unread
 
-    def _held(self) -> list[records.Record]:
-        held: list[records.Record] = []
+    def _held(self) -> list[results_file.Record]:
+        held: list[results_file.Record] = []
         for pattern in ("spec_*.json", "fault_cases.json"):
             for path in sorted((self.root / "records").glob(pattern)):
-                held += records.load(path).items
+                held += results_file.load(path).items
         return held
 
     def accept(self, by: str = "the safety manager") -> None:
@@ -113,9 +117,9 @@ class Small:
 
     def parts(self) -> tuple[list[SpecItem], list[SpecTest], list[TestResult], list[RunSummary]]:
         """The records, one list a kind, as callers of `build` hold them."""
-        held: list[records.Record] = []
+        held: list[results_file.Record] = []
         for path in sorted((self.root / "records").glob("*.json")):
-            held += records.load(path).items
+            held += results_file.load(path).items
         return (
             [item for item in held if isinstance(item, SpecItem)],
             [item for item in held if isinstance(item, SpecTest)],

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace.findings import Finding, did_you_mean, error
 from trackmarshal.trace.model import Backing, Project
 

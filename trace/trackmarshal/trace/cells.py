@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace import design, external, faults
 from trackmarshal.trace.files import Hashes, demanding
 from trackmarshal.trace.findings import Place

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from trackmarshal import records
 from trackmarshal.junit import codes as junit_codes
+from trackmarshal.records import results_file
 
 CODES: dict[str, tuple[str, str]] = {
     "T101": ("a requirements file cannot be read", "The file is there, but permissions or the disk keep it from being read. Nothing it says is known, so the matrix lacks it."),
@@ -160,5 +160,5 @@ CODES: dict[str, tuple[str, str]] = {
     "T382": ("not reviewed, and not on the list", "No person has reviewed it as it is now, and it is not on the baseline's list of what nobody has reviewed: it is new, or its review fell because it reads differently. Have it reviewed by a second person; or somebody accepts by name, and for a reason, that nobody has, which puts it on the list."),
     "T383": ("a test failed that names no requirement", "A report that is evidence lists tests that failed and name no requirement: a suite's set-up, or a test of what others rest on. They are evidence against nothing by themselves, and what they broke may be missing from the report. The exit status of the runner tells them, too."),
     **junit_codes.CODES,
-    **records.CODES,
+    **results_file.CODES,
 }  # fmt: skip

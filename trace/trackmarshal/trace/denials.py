@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from trackmarshal.files import read_regular
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place
 from trackmarshal.trace.model import Project, matches

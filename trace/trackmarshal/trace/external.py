@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from trackmarshal import records
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below, digest, read_regular
 from trackmarshal.junit import reading
-from trackmarshal.records import ExternalTest
+from trackmarshal.records import results_file
+from trackmarshal.records.tests import ExternalTest
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.values import Placed
@@ -151,7 +151,7 @@ def _files(root: Path, entry: TestReport, found: list[Finding]) -> list[str]:
 def _records(path: Path) -> bool:
     """Whether a file among reports is one of ours, whole or broken off, whatever comes first in it: runners leave other JSON there."""
     try:
-        return records.FORMAT.encode() in read_regular(path, records.MAX_BYTES)
+        return results_file.FORMAT.encode() in read_regular(path, results_file.MAX_BYTES)
     except OSError:
         return True  # it may be, and reading it says why it cannot be read
 
@@ -160,7 +160,7 @@ def _read(path: Path, shown: str, tool: str) -> tuple[ExternalTest, ...]:
     """A report in XML, or records of external tests."""
     if path.suffix.lower() != ".json":
         return reading.read(path, shown, tool)
-    file = records.load(path, shown)
+    file = results_file.load(path, shown)
     sha256 = hashlib.sha256(read_regular(path)).hexdigest()
     return tuple(
         replace(

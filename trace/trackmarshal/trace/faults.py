@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from trackmarshal.records import FaultCase, FaultResult
+from trackmarshal.records.faults import FaultCase, FaultResult
 from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error
 from trackmarshal.trace.model import Project

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from trackmarshal.files import digest
-from trackmarshal.records import RunSummary, SpecItem
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace import sections
 from trackmarshal.trace.findings import Finding, Place, error
 from trackmarshal.trace.model import Entry, Evidence, Project

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.graph.said import left_to
 from trackmarshal.trace.model import Project, Requirement

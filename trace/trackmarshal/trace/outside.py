@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from trackmarshal.records import SpecItem
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace import denials, external, sources
 from trackmarshal.trace.denials import Denials
 from trackmarshal.trace.external import External

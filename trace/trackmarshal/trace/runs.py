@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from trackmarshal.records import RunSummary, SpecItem, TruthFacts
+from trackmarshal.records.runs import RunSummary, TruthFacts
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.trace.files import Hashes, lacking, way_out
 from trackmarshal.trace.findings import Finding, Place, error, warning
 from trackmarshal.trace.model import Project, Scenario

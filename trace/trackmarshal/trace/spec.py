@@ -6,16 +6,10 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 
-from trackmarshal.records import (
-    FaultCase,
-    FaultResult,
-    RuleFacts,
-    RunSummary,
-    SpecItem,
-    SpecPart,
-    SpecTest,
-    TestResult,
-)
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RuleFacts, RunSummary
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.findings import Place
 
 _WORST_FIRST = ("failed", "error", "passed")

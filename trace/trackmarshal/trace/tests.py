@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from trackmarshal.records import SpecItem, SpecTest, not_on_it
+from trackmarshal.records.specs import SpecItem, SpecTest
+from trackmarshal.records.tests import not_on_it
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place

@@ -7,7 +7,10 @@ from datetime import date
 from pathlib import Path
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace import backing as _backing
 from trackmarshal.trace import baseline as _baseline
 from trackmarshal.trace import files as _files

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import TypeAlias
 
-from trackmarshal.records import ExternalTest
+from trackmarshal.records.tests import ExternalTest
 from trackmarshal.trace import sections
 from trackmarshal.trace.files import Hashes, among, naming
 from trackmarshal.trace.findings import Place

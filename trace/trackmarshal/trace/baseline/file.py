@@ -13,7 +13,7 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import UNMERGED, read_regular, unmerged, write_whole
-from trackmarshal.records import strict
+from trackmarshal.json_text import strict
 from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import Content, carried, counted
 from trackmarshal.trace.findings import Finding, Place, error

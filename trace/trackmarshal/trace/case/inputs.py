@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from trackmarshal.records import RunSummary, SpecItem, SpecTest, TestResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.case.loop import Loop
 from trackmarshal.trace.gsn.case import Case
 from trackmarshal.trace.matrix import Matrix

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from string import Formatter
 
-from trackmarshal.records import SpecTest, TestResult
+from trackmarshal.records.specs import SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace.case.inputs import Inputs
 from trackmarshal.trace.case.model import (
     Block,

@@ -7,15 +7,10 @@ import json
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 
-from trackmarshal.records import (
-    DriveFacts,
-    ExternalTest,
-    FaultCase,
-    FaultResult,
-    RunSummary,
-    SpecItem,
-    TestResult,
-)
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import DriveFacts, RunSummary
+from trackmarshal.records.specs import SpecItem
+from trackmarshal.records.tests import ExternalTest, TestResult
 from trackmarshal.trace import faults, runs
 from trackmarshal.trace.external import External, worst
 from trackmarshal.trace.files import Hashes, demanding

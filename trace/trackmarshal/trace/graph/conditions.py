@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
-from trackmarshal.records import RunSummary
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.trace.findings import Finding, error
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.said import called

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trackmarshal.files import digest, read_regular
-from trackmarshal.records import FaultCase, FaultResult, RunSummary, SpecItem, SpecPart, SpecTest, TestResult
+from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.records.runs import RunSummary
+from trackmarshal.records.specs import SpecItem, SpecPart, SpecTest
+from trackmarshal.records.tests import TestResult
 from trackmarshal.trace import backing, files, outside, requirements
 from trackmarshal.trace import baseline as baselines
 from trackmarshal.trace.findings import Finding

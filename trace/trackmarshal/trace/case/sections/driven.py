@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from trackmarshal.records import DriveFacts, LeastMargin, RunSummary
+from trackmarshal.records.runs import DriveFacts, LeastMargin, RunSummary
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number, Status
 from trackmarshal.trace.case.writing import Writing, given, joined
 from trackmarshal.trace.report.words import clock

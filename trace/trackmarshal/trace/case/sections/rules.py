@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from trackmarshal.records import SpecItem, SpecTest
+from trackmarshal.records.specs import SpecItem, SpecTest
 from trackmarshal.trace.case.model import (
     TEXT_WIDTH,
     Block,

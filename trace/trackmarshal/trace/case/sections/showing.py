@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from trackmarshal.records import RunSummary
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.trace.case.model import (
     Block,
     Code,

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from trackmarshal.records import RunSummary
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.store import Entry
 from trackmarshal.trace.baseline import Change
 

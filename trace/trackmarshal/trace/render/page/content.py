@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from trackmarshal.records import RunSummary
+from trackmarshal.records.runs import RunSummary
 from trackmarshal.store import Entry
 from trackmarshal.trace.cells import Cell, Item, combined
 from trackmarshal.trace.findings import Finding, Place
