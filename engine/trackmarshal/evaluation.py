@@ -7,30 +7,26 @@ import math
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from functools import cache, cached_property
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from trackmarshal.configuration import configured, paths_of
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.ir.margins import undecided
-from trackmarshal.ir.spec import ParamInfo, PlaceInfo, RuleInfo, Spec, TableInfo, short_name
+from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.ir.straight import Fields, curvatures, straightened
-from trackmarshal.runtime import saving
 from trackmarshal.runtime.contract.tracks import places_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.program import SAFE_CODES, Judged, Program, Rated
-from trackmarshal.runtime.stamps import stamp_after
-from trackmarshal.runtime.verdict import About, Briefly, CaseResult, RuleResult
+from trackmarshal.runtime.verdict import Briefly, CaseResult, RuleResult
 
 if TYPE_CHECKING:
     from trackmarshal.batches import Batch
+    from trackmarshal.over_run import Run
     from trackmarshal.runs import WholeRun
     from trackmarshal.runtime.door.cases import CasesReader
-    from trackmarshal.semantics.compile import Compiled
-    from trackmarshal.syntax import ast
 
 #: Evaluators by name, the default first; `auto` is generated C where that can be had, else numpy.
 BACKENDS = ("numpy", "reference", "c", "auto")
@@ -43,12 +39,6 @@ NOWHERE: Fields = frozenset()
 
 CODES = {
     "E401": ("unknown rule", "`--rule` names a rule or an assumption of the spec."),
-    "E402": (
-        "a configuration that does not fit",
-        "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, in one module of those that rules read, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
-        "else demands something would not be in force there, and are refused.",
-    ),
     "E404": (
         "nothing to evaluate",
         "The spec has no rules, or the assumption has no `monitor`. Of nothing it could only be said that nothing is violated; that is "
@@ -116,20 +106,7 @@ class Evaluator:
                 "E401", f"`{names}` is one text", help=f"give a list of rules: [{names!r}]"
             )
         for name in names or ():
-            if not isinstance(name, str):
-                raise wrong_type("the name of a rule is a text", name)
-            rule = spec.rule(name)
-            if rule is None:
-                known = [rule.name for rule in spec.rules]
-                raise TrackmarshalError(
-                    "E401",
-                    f"the spec has no rule `{name}`",
-                    help=close_matches(name, known) or ", ".join(known),
-                )
-            if rule.formula is None:
-                raise TrackmarshalError(
-                    "E404", f"`{name}` has no condition to evaluate", help="add a `monitor` to the assumption"
-                )
+            _check_rule(spec, name)
         self.spec = spec
         self.rules: list[RuleInfo] = chosen_rules(spec, names)
         if not self.rules:
@@ -267,6 +244,8 @@ class Evaluator:
         saved: what `Run.save` gave; the run then goes on from there. Raises TrackmarshalError D163 for a snapshot that is damaged, D164 for
         one of another spec or evaluator, E486 for an evaluator that saves none.
         """
+        from trackmarshal.over_run import Run
+
         return Run(self, saved)
 
     def whole_run(
@@ -388,126 +367,51 @@ class Evaluator:
     @cached_property
     def program(self) -> Program:
         """The compiled rules; the same program serves every batch."""
+        from trackmarshal.backends import programs
+
         match self.asked:
             case "reference":
-                return self._reference()
+                return programs.reference(self.spec, self.rules)
             case "numpy":
-                return self._numpy()
+                return programs.numpy(self.spec, self.rules)
             case "c" | "auto":
                 try:
-                    made = self._generated()
+                    return programs.generated(self.spec, self.rules)
                 except TrackmarshalError as error:
                     if self.asked != "auto" or error.code not in _NO_C:
                         raise
                     self._do_without_c(error)
                     return self.program
-                return made
             case other:
                 raise AssertionError(f"unknown backend {other}")
 
-    def _generated(self) -> Program:
-        from trackmarshal.backends.c.over_run.program import CRemembering
-        from trackmarshal.backends.c.program import CProgram
-        from trackmarshal.backends.over_run.program import remembers
-
-        made = (CRemembering if any(map(remembers, self.rules)) else CProgram)(self.spec, self.rules)
-        made.library_for()
-        return made
-
-    def _reference(self) -> Program:
-        from trackmarshal.backends.over_run.program import Remembering, remembers
-        from trackmarshal.backends.reference.evaluator import ReferenceProgram
-        from trackmarshal.backends.reference.over_run import KeepingAll
-
-        if not any(map(remembers, self.rules)):
-            return ReferenceProgram(self.spec, self.rules)
-        return Remembering(self.spec, self.rules, ReferenceProgram, KeepingAll)
-
-    def _numpy(self) -> Program:
-        from trackmarshal.backends.numpy.program import NumpyProgram
-        from trackmarshal.backends.over_run.program import Remembering, remembers
-        from trackmarshal.backends.over_run.streaming import Streaming
-
-        if not any(map(remembers, self.rules)):
-            return NumpyProgram(self.spec, self.rules)
-        return Remembering(self.spec, self.rules, NumpyProgram, Streaming)
-
     def _do_without_c(self, error: TrackmarshalError) -> None:
+        from trackmarshal.backends import programs
+
         _say_why(error)
         for each in self._family:
-            each.__dict__["program"] = each._numpy()
+            each.__dict__["program"] = programs.numpy(each.spec, each.rules)
 
     def _broken(self, settings: Settings) -> tuple[str, ...]:
         return broken_constraints(self.spec, settings)
 
 
-class Run:
-    """Cases as the cycles of one run. `step` takes them in order; `end` says what was open after the last one."""
-
-    def __init__(self, evaluator: Evaluator, saved: Sequence[str] | None = None) -> None:
-        self._evaluator = evaluator
-        self._memory = evaluator.program.start()
-        self._last: int | None = None
-        if saved is not None:
-            self._restore(saved)
-
-    def save(self) -> list[str]:
-        """What the rules remember now, as lines of JSON (docs/memory.md). Raises TrackmarshalError E486 for an evaluator that saves none, and
-        for a cycle whose name is neither a whole number nor a text."""
-        kind, of = self._of()
-        pieces: list[saving.Piece] = [["run", self._last]]
-        return saving.whole(
-            saving.Saving(kind, of, chain(pieces, saving.save(self._evaluator.program, self._memory)))
+def _check_rule(spec: Spec, name: object) -> None:
+    """Raise E401 or E404 for what is no rule of a spec, or has nothing to evaluate."""
+    if not isinstance(name, str):
+        raise wrong_type("the name of a rule is a text", name)
+    rule = spec.rule(name)
+    if rule is None:
+        known = [rule.name for rule in spec.rules]
+        raise TrackmarshalError(
+            "E401",
+            f"the spec has no rule `{name}`",
+            help=close_matches(name, known) or ", ".join(known),
         )
-
-    def _restore(self, saved: Sequence[str]) -> None:
-        pieces = saving.opened(saved, *self._of())
-        try:
-            (last,) = pieces.next("run", 1)
-            self._last = None if last is None else saving.checked(last, int)
-            self._memory = saving.restored(self._evaluator.program, pieces)
-            pieces.end()
-        except saving.NOT_SAVED as error:
-            raise saving.damaged(str(error)) from error
-
-    def _of(self) -> tuple[str, str]:
-        """Who can restore it, and the hash of all that it rests on."""
-        program = self._evaluator.program
-        kind, words = saving.kept_by(program)
-        return kind, saving.meaning(program.spec, [rule.name for rule in program.rules], words, more="run")
-
-    def step(self, frame: Frame, series: bool = False) -> CaseResult:
-        """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one, D211 for a curvature that
-        is not there."""
-        with self._coming(frame):
-            program = self._evaluator.program
-            judged = program.judge(self._memory, frame)
-            self._memory = program.commit(self._memory, frame, None)
-            ((_, rated),) = judged.rated.items()
-            return self._evaluator.result(frame, rated, series)
-
-    def remember(self, frame: Frame) -> None:
-        """The next cycle, of which only what is remembered of it is asked. Raises TrackmarshalError as `step`."""
-        with self._coming(frame):
-            self._memory = self._evaluator.program.commit(self._memory, frame, None)
-
-    @contextmanager
-    def _coming(self, frame: Frame) -> Iterator[None]:
-        """With a frame that can follow."""
-        if not isinstance(frame, Frame):
-            raise wrong_type("a frame is what `Evaluator.read` makes of a case", frame)
-        self._evaluator.refuse_straight(frame)
-        with self._evaluator.alone:
-            self._last = stamp_after(frame, self._last)
-            yield
-
-    def missed(self) -> None:
-        """A cycle that could not be read: a gap."""
-        self._memory = self._evaluator.program.missed(self._memory)
-
-    def end(self) -> Mapping[str, tuple[About, ...]]:
-        """By rule, what is said of cycles that were open."""
-        return self._evaluator.program.end(self._memory)
+    if rule.formula is None:
+        raise TrackmarshalError(
+            "E404", f"`{name}` has no condition to evaluate", help="add a `monitor` to the assumption"
+        )
 
 
 def broken_constraints(spec: Spec, settings: Settings = NO_SETTINGS) -> tuple[str, ...]:
@@ -517,9 +421,8 @@ def broken_constraints(spec: Spec, settings: Settings = NO_SETTINGS) -> tuple[st
     values = Reference(spec, Frame(settings=settings))
     broken = []
     for constraint in spec.constraints:
-        if not spec.declares(
-            constraint.formula
-        ):  # that is an error of the spec, and no rule that reads it is evaluated
+        # What reads names that there are not is an error of the spec, and no rule that reads it is evaluated.
+        if not spec.declares(constraint.formula):
             continue
         if values.truth(constraint.formula, {}).verdict != "satisfied":
             because = f": {constraint.because}" if constraint.because else ""
@@ -544,7 +447,7 @@ def load(
     from trackmarshal.semantics.compile import compile_paths
 
     _check_shown_from(shown_from)
-    given = _paths(paths)
+    given = paths_of(paths)
     if not given:  # as of a pattern that fits nothing: a spec without rules would find nothing wrong
         raise TrackmarshalError(
             "E006", "there is no file to load", help="name a .spec file, or a folder with some"
@@ -567,258 +470,6 @@ def loads(
     return configured(compile_text(text, shown_from), configuration, shown_from)
 
 
-def configured(
-    compiled: Compiled, configuration: str | Path | Iterable[str | Path], shown_from: Path | None
-) -> Spec:
-    """A compiled spec with the values of configuration modules put in; raises Diagnostics for what is wrong with any of them."""
-    compiled.raise_errors()
-    spec = compiled.spec
-    for path in _paths(configuration):
-        spec = configure(spec, _settings(path, shown_from, compiled))
-    return spec
-
-
-def _paths(given: str | Path | Iterable[str | Path]) -> list[Path]:
-    """One path or several; raises TypeError."""
-    paths = [given] if isinstance(given, (str, Path)) else given
-    if not isinstance(paths, Iterable):
-        raise wrong_type("files and folders are a path or a list of paths", given)
-    paths = list(paths)
-    for path in paths:
-        if not isinstance(path, (str, Path)):
-            raise wrong_type("a path is a text or a `Path`", path)
-    return [Path(path) for path in paths]
-
-
 def _check_shown_from(folder: Path | None) -> None:
     if folder is not None and not isinstance(folder, (str, Path)):
         raise wrong_type("`shown_from` is a folder", folder)
-
-
-def _settings(path: Path, shown_from: Path | None, compiled: Compiled) -> Spec:
-    """What a configuration module sets; raises Diagnostics, and E402 for what it holds that would be left out.
-
-    Modules of the spec that it uses are in force already, with the values that they have there.
-    """
-    from trackmarshal.semantics.compile import compile_paths
-    from trackmarshal.semantics.modules import from_prelude
-
-    made = compile_paths([path], shown_from)
-    made.raise_errors()
-    known = {module.path.resolve() for module in compiled.library.modules.values()}
-    own = [module for module in made.library.modules.values() if module.path.resolve() not in known]
-    _refuse_ignored([module.tree for module in own if not from_prelude(module)])
-    files = {module.file.path for module in (*own, *(made.library.modules[name] for name in made.asked))}
-    params, tables, places = made.spec.params, made.spec.tables, made.spec.places
-    return Spec(
-        {},
-        {},
-        {name: info for name, info in params.items() if info.span.file.path in files},
-        {name: info for name, info in tables.items() if info.span.file.path in files},
-        {name: info for name, info in places.items() if info.span.file.path in files},
-        (),
-        (),
-        (),
-        made.spec.fingerprint,
-    )
-
-
-def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
-    """Refuse everything in configuration modules that demands something, or means to: only values of theirs are used."""
-    from trackmarshal.syntax import ast
-
-    items = [item for tree in trees for item in tree.items]
-    values = [
-        item
-        for item in items
-        if isinstance(item, (ast.Param, ast.ParamRecord, ast.Table, ast.Place, ast.Define))
-    ]
-    nodes = [node for item in values for node in item.walk()]
-    called = {node.function for node in nodes if isinstance(node, ast.Call)}
-    called |= {node.name for node in nodes if isinstance(node, ast.Name)}
-    for item in items:
-        match item:
-            case (
-                ast.ModuleName()
-                | ast.Use()
-                | ast.Reference()
-                | ast.Param()
-                | ast.ParamRecord()
-                | ast.Table()
-                | ast.Place()
-            ):
-                continue
-            case ast.Define():
-                if item.name in called:
-                    continue
-                what = f"the {item.keyword} `{item.name}`"
-            case ast.Rule():
-                what = f"the rule `{item.name}`"
-            case ast.Assume():
-                what = f"the assumption `{item.name}`"
-            case ast.Constrain():
-                what = "a `constrain`"
-            case ast.Shape():
-                what = f"the shape `{item.name}`"
-            case ast.Scale():
-                what = "a `scale`"
-            case ast.Signal():
-                what = f"the signal `{item.name}`"
-            case ast.Event():
-                what = f"the event `{item.name}`"
-            case ast.Course():
-                what = f"the course `{item.name}`"
-            case ast.Enum():
-                what = f"the enumeration `{item.name}`"
-            case ast.Stretch():
-                what = f"the stretch `{item.name}`"
-            case ast.State():
-                what = f"the state `{item.name}`"
-            case ast.Rulebook():
-                what = f"the rulebook `{item.name}`"
-            case ast.Test():
-                what = f"a test of `{item.rule}`"
-            case _:
-                raise AssertionError(f"unknown declaration {type(item).__name__}")
-        raise TrackmarshalError(
-            "E402",
-            f"a configuration holds {what}, which would not be in force",
-            file=item.span.file.path,
-            line=item.span.line,
-            help="a configuration only sets values; move it to the spec, or name this file as a part of the spec",
-        )
-
-
-def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[str]:
-    """The names of everything that configuration modules set in a spec, in full and as in its module; raises as `load` does."""
-    from trackmarshal.semantics.compile import compile_paths
-
-    if not configuration:
-        return set()
-    compiled = compile_paths(paths)
-    compiled.raise_errors()
-    found = [_settings(path, None, compiled) for path in configuration]
-    short = {
-        short_name(info)
-        for settings in found
-        for kind in (settings.params, settings.tables, settings.places)
-        for info in kind.values()
-    }
-    own = compiled.spec
-    infos = (info for kind in (own.params, own.tables, own.places) for info in kind.values())
-    return short | {info.name for info in infos if short_name(info) in short}
-
-
-def configure(spec: Spec, settings: Spec) -> Spec:
-    """The spec with the values of another module's parameters, tables and places in place of its own."""
-    params, tables, places = dict(spec.params), dict(spec.tables), dict(spec.places)
-    kinds: tuple[tuple[str, dict[str, Any], Mapping[str, Any]], ...] = (
-        ("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)
-    )  # fmt: skip
-    for kind, target, source in kinds:
-        for info in source.values():
-            _refuse_several(spec, kind, target, info)
-            _replace(kind, target, info)
-    digest = hashlib.sha256(spec.fingerprint.encode())
-    for setting in (*params.values(), *tables.values(), *places.values()):
-        digest.update(repr(setting).encode())
-    return Spec(
-        spec.signals,
-        spec.events,
-        params,
-        tables,
-        places,
-        spec.constraints,
-        spec.rules,
-        spec.rulebooks,
-        digest.hexdigest(),
-        spec.scales,
-        spec.courses,
-    )
-
-
-def _ways(info: TableInfo) -> list[Any]:
-    """What a configuration cannot change of a table: how many arguments it has, of which dimension the second is, and how it is read."""
-    from trackmarshal.units import parse_unit
-
-    second = info.across
-    axes = (
-        [(info.way, None)] if second is None else [(info.way, None), (second.way, parse_unit(second.unit)[2])]
-    )
-    return [(way.steps, way.clamped, way.length > 0.0, dimension) for way, dimension in axes]
-
-
-def _refuse_several(
-    spec: Spec, kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
-) -> None:  # fmt: skip
-    """Raise E402 for a name of several declarations that rules read: which of them is meant, nobody can tell, as of data (D203)."""
-    short = short_name(info)
-    # The configuration may be a module of the spec; another file of that module's name is none.
-    itself = info.span.file.text
-    meant = [
-        name for name, old in target.items() if short_name(old) == short and old.span.file.text != itself
-    ]
-    if len(meant) < 2:  # mostly
-        return
-    from trackmarshal.ir import nodes as ir
-
-    read = {
-        node.table if isinstance(node, ir.Lookup | ir.GridLookup) else node.name
-        for rule in spec.rules
-        for formula in (rule.formula, rule.active)
-        if formula is not None
-        for node in ir.below(formula)
-        if isinstance(node, ir.Param | ir.Lookup | ir.GridLookup | ir.Area | ir.Line)
-    }
-    several = sorted(read.intersection(meant))
-    if len(several) > 1:
-        raise TrackmarshalError(
-            "E402",
-            f"{kind} `{short}` is declared in several modules: {' and '.join(f'`{name}`' for name in several)}",
-            file=f"{info.span.file.path}",
-            line=info.span.line,
-            help="rename all but the one that the configuration is to replace",
-        )
-
-
-def _replace(kind: str, target: dict[str, Any], info: ParamInfo | TableInfo | PlaceInfo) -> None:
-    from trackmarshal.units import parse_unit
-
-    short = short_name(info)
-    matches = [known for known, old in target.items() if short_name(old) == short]
-    place = f"{info.span.file.path}"
-    if not matches:
-        shorts = [short_name(old) for old in target.values()]
-        raise TrackmarshalError(
-            "E402",
-            f"the spec declares no {kind} `{short}`",
-            file=place,
-            line=info.span.line,
-            help=close_matches(short, shorts) or f"it declares {', '.join(shorts) or 'none'}",
-        )
-    for match in matches:
-        old = target[match]
-        problem = ""
-        if isinstance(info, ParamInfo):
-            low, high = old.lower, old.upper
-            if parse_unit(info.unit)[2] != parse_unit(old.unit)[2]:
-                problem = f"`{short}` is in {info.unit}, the spec declares it in {old.unit}"
-            elif (low is not None and info.value < low) or (high is not None and info.value > high):
-                problem = f"`{short}` is outside the range declared at {old.span}"
-            new: Any = ParamInfo(match, info.value, old.unit, low, high, info.source, info.span, old.record)
-        elif isinstance(info, TableInfo):
-            if [parse_unit(u)[2] for u in info.units] != [parse_unit(u)[2] for u in old.units]:
-                problem = f"table `{short}` has other units than the one declared at {old.span}"
-            elif _ways(info) != _ways(old):
-                problem = f"table `{short}` is read in another way than the one declared at {old.span}"
-            new = TableInfo(match, info.knots, info.values, old.units, info.span, info.way, info.across)
-        elif isinstance(info, PlaceInfo):
-            if info.kind != old.kind:
-                problem = f"`{short}` is a {info.kind}, the spec declares a {old.kind}"
-            new = PlaceInfo(match, info.kind, info.points, info.span, info.track)
-        else:
-            raise AssertionError(f"unknown setting {type(info).__name__}")
-        if problem:
-            help_ = "a configuration changes values, within what the spec declares"
-            raise TrackmarshalError("E402", problem, file=place, line=info.span.line, help=help_)
-        target[match] = new

@@ -23,7 +23,8 @@ from trackmarshal.runtime.stamps import stamp_after
 from trackmarshal.runtime.verdict import VERDICTS, About, CaseResult, RuleResult
 
 if TYPE_CHECKING:
-    from trackmarshal.evaluation import Evaluator, Run
+    from trackmarshal.evaluation import Evaluator
+    from trackmarshal.over_run import Run
 
 Floats = NDArray[np.float64]
 Codes = NDArray[np.uint8]

@@ -17,7 +17,8 @@ from property.test_states import ASKED, Way, declared, guarded
 from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import Evaluator, Run, loads
+from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.over_run import Run
 from trackmarshal.runtime.saving import VERSION
 
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "4"))

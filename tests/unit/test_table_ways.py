@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from trackmarshal.configuration import configure
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import Evaluator, configure, loads
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir.spec import Spec, TableInfo
 
 HEAD = "module made\n\nsignal ego : state { x: m, y: s }\n\n"

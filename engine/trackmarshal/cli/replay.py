@@ -194,7 +194,7 @@ def overruled(
     recording: Recording, spec_path: Path, settings: list[Path], more: Sequence[Path] = ()
 ) -> Recording:
     """The recording without the vehicle values that the command line sets: what a person says now counts more."""
-    from trackmarshal.evaluation import setting_names
+    from trackmarshal.configuration import setting_names
 
     names = setting_names([spec_path, *more], settings)
     params = {name: value for name, value in recording.params.items() if name not in names}
@@ -239,7 +239,8 @@ def evaluator_for(
     `folder` is where the recording lies, when its `source` is no path from here; `more` are specs beside the one.
     With `known`, recordings with the same specs and configuration share an evaluator, and those with the same specs what was compiled.
     """
-    from trackmarshal.evaluation import Evaluator, configured
+    from trackmarshal.configuration import configured
+    from trackmarshal.evaluation import Evaluator
     from trackmarshal.scenarios.fields import check_fields, declared_names
     from trackmarshal.scenarios.overrides import known_params, known_tables
 
