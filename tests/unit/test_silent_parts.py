@@ -19,6 +19,7 @@ from support.supervised import Clock, Oracle, shipped
 from trackmarshal.backends import results
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.runtime import reasons
 from trackmarshal.runtime import supervisor as parts
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.decision import Decision
@@ -157,11 +158,11 @@ def test_violations_that_are_not_those_of_the_verdicts(unsafe: frozenset[tuple[s
     run = Run()
     run.oracle.unsafe = {("driving", "friction")}
     judged = run.oracle.judge(NOTHING, Frame())
-    listed = parts.violations(1, parts.named_rules(run.oracle.rules), judged).violations
+    listed = reasons.violations(1, reasons.named_rules(run.oracle.rules), judged).violations
     assert len(listed) == 1
 
-    def wrong(about: int, *_: Any) -> parts.Found:
-        return parts.Found(about, () if unsafe else listed)
+    def wrong(about: int, *_: Any) -> reasons.Found:
+        return reasons.Found(about, () if unsafe else listed)
 
     run.oracle.unsafe = set(unsafe)
     with mock.patch.object(parts, "violations", wrong):

@@ -13,14 +13,13 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import chain
-from typing import Protocol
 
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import Contract, of_cycles
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle, Limits
-from trackmarshal.runtime.decision import MOST_REASONS, Decision, Violation
+from trackmarshal.runtime.decision import Decision, Violation
 from trackmarshal.runtime.door.door import Admission, Door, stamp_of
 from trackmarshal.runtime.driven import MOST_LOST, in_doubt
 from trackmarshal.runtime.faults import Fault, fault
@@ -30,13 +29,24 @@ from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import (
     KNOWN_CODES,
     NOTHING,
-    SAFE_CODES,
     Judged,
     Memory,
     Program,
     Rated,
     advisory,
 )
+from trackmarshal.runtime.reasons import (
+    Found,
+    advisories,
+    incomplete,
+    internal,
+    listed,
+    named_rules,
+    overlapping,
+    shown,
+    violations,
+)
+from trackmarshal.runtime.recorder import Recorder, gone
 from trackmarshal.runtime.saving import (
     NOT_SAVED,
     Piece,
@@ -53,29 +63,6 @@ from trackmarshal.runtime.saving import (
     unspelt,
 )
 from trackmarshal.runtime.stored import held_of, held_pieces
-from trackmarshal.runtime.verdict import VERDICTS
-
-
-class Recorder(Protocol):
-    """Keeps every cycle with its decision; where it fails, the decision stands."""
-
-    def append(
-        self, cycle: object, frame: Frame | None, decision: Decision, readings: tuple[float, float]
-    ) -> None: ...
-
-    def stopped(self) -> None:
-        """A cycle that was read, and of which nothing was decided: its step was stopped."""
-
-    def close(self) -> None: ...
-
-
-def gone(recorder: Recorder) -> str:
-    """Tell a recorder of a step that was stopped; why it could not be told, which stops nobody else, empty where it could."""
-    try:
-        recorder.stopped()
-    except Exception as error:  # one that knows of no such steps, as well
-        return f"{type(error).__name__}: {error}"
-    return ""
 
 
 @dataclass(slots=True)
@@ -107,14 +94,6 @@ class Timely:
 
     about: int
     late: Fault | None
-
-
-@dataclass(frozen=True, slots=True)
-class Found:
-    """The rules that make a candidate unsafe in one step."""
-
-    about: int
-    violations: tuple[Violation, ...]
 
 
 def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
@@ -433,55 +412,6 @@ class Supervisor(OfOneRun):
         )  # fmt: skip
 
 
-#: A rule's name, requirements and the unit of its margin; whether it is advisory.
-Named = tuple[str, tuple[str, ...], str, bool]
-
-
-def named_rules(rules: Sequence[RuleInfo]) -> list[Named]:
-    """Rules as decisions speak of them."""
-    return [
-        (rule.name, tuple(dict.fromkeys(name for name, _ in rule.satisfies)), rule.unit, rule.advisory)
-        for rule in rules
-    ]
-
-
-def violations(about: int, rules: list[Named], judged: Judged) -> Found:
-    """The rules that make a candidate unsafe."""
-    if all(rated.safe for rated in judged.rated.values()):
-        return Found(about, ())
-    return Found(about, _against(rules, judged, False))
-
-
-def advisories(rules: list[Named], judged: Judged | None) -> tuple[Violation, ...]:
-    """What rules are against a candidate that never make it unsafe."""
-    if judged is None or not any(rated.advisory for rated in judged.rated.values()):
-        return ()
-    return _against(rules, judged, True)
-
-
-def _against(rules: list[Named], judged: Judged, advisory: bool) -> tuple[Violation, ...]:
-    return tuple(
-        Violation(
-            *rules[place][:2], candidate, VERDICTS[code], float(rated.margins[place]), rules[place][2],
-            partial(rated.explain, place, False),
-        )
-        for candidate, rated in judged.rated.items()
-        for place, code in enumerate(rated.verdicts)
-        if code not in SAFE_CODES and rules[place][3] == advisory
-    )  # fmt: skip
-
-
-def listed(
-    faults: list[Fault], found: tuple[Violation, ...], late: list[Fault]
-) -> tuple[tuple[Fault, ...], tuple[Violation, ...], bool]:
-    """As many reasons as a decision has room for: the door's, the rules', and what went wrong after the door."""
-    first = faults[:MOST_REASONS]
-    second = found[: MOST_REASONS - len(first)]
-    third = late[: MOST_REASONS - len(first) - len(second)]
-    more = len(faults) + len(found) + len(late) > MOST_REASONS
-    return (*first, *third), second, more
-
-
 def called(opened: Opened) -> tuple[int | None, float]:
     """Number and stamp of a cycle as far as they are numbers."""
     if opened.admission is not None:
@@ -515,30 +445,3 @@ def _plans(admission: Admission) -> tuple[Plan, Plan]:
         for name in (DRIVING, EMERGENCY)
     )
     return driving, emergency
-
-
-def incomplete(part: str, message: str = "it did not run") -> Fault:
-    """The fault of a part that gave no answer for this step."""
-    return fault("incomplete", "supervisor", part, None, message)
-
-
-def overlapping() -> Decision:
-    """What is decided of a cycle that comes while another step of the same Supervisor is taken, by another thread or by code of what was handed in:
-    nothing. It is no step, and neither counted nor recorded; the other one goes on."""
-    found = (incomplete("step", "another step of this Supervisor is being taken"),)
-    return Decision(
-        None, math.nan, math.nan, math.nan, NO_SAFE_TRAJECTORY, False, None, None, math.nan, "none_stored", found, (), False, None
-    )  # fmt: skip
-
-
-def internal(error: Exception) -> Fault:
-    """The fault of an error in the Supervisor's own code."""
-    return fault("internal", "supervisor", "", None, shown(error))
-
-
-def shown(error: Exception) -> str:
-    """An error in one line; its own text may fail."""
-    try:
-        return f"{type(error).__name__}: {error}"[:200]
-    except Exception:
-        return type(error).__name__

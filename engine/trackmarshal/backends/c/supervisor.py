@@ -31,17 +31,10 @@ from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Settings
 from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged, advisory
+from trackmarshal.runtime.reasons import advisories, incomplete, internal, named_rules, overlapping
+from trackmarshal.runtime.recorder import Recorder, gone
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
-from trackmarshal.runtime.supervisor import (
-    OfOneRun,
-    Recorder,
-    advisories,
-    gone,
-    incomplete,
-    internal,
-    named_rules,
-    overlapping,
-)
+from trackmarshal.runtime.supervisor import OfOneRun
 from trackmarshal.runtime.verdict import VERDICTS
 
 #: Nothing stands in C's `driven`, the driving trajectory, the stored one.
