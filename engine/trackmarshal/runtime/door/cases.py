@@ -11,9 +11,9 @@ from trackmarshal.runtime.contract import of_cases
 from trackmarshal.runtime.contract.tracks import Places
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.checking import FrameChecker
-from trackmarshal.runtime.door.columns import suggested
 from trackmarshal.runtime.door.reading import SignalsReader, known
 from trackmarshal.runtime.door.stacks import Stacks
+from trackmarshal.runtime.door.unknown import suggested
 from trackmarshal.runtime.faults import Fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.settings import SettingsReader

@@ -12,10 +12,11 @@ from trackmarshal.runtime.contract.tracks import elsewhere
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.door import values
 from trackmarshal.runtime.door.at_once import AtOnce, Remembered
-from trackmarshal.runtime.door.columns import ColumnsReader, refuse_unknown
+from trackmarshal.runtime.door.columns import ColumnsReader
 from trackmarshal.runtime.door.lanes import LanesReader
 from trackmarshal.runtime.door.lines import NOWHERE, LineReader, NoLineError
 from trackmarshal.runtime.door.stacks import Stacks
+from trackmarshal.runtime.door.unknown import refuse_unknown
 from trackmarshal.runtime.door.values import WrongTypeError
 from trackmarshal.runtime.faults import Fault, fault, name_of
 from trackmarshal.runtime.frame import NO_SETTINGS, Columns, Frame, Names, Settings
