@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import trackmarshal as tm
@@ -115,6 +116,24 @@ def test_a_case_that_brings_its_own_places() -> None:
     assert fault == "D230 track.name: the track is `monteblanco`, but `pit_lane` is on `modena`"
     places = {"pit_lane": [[0, 100], [10, 100], [10, 110]]}
     assert evaluator.case({"signals": signals, "places": places}).faults == ()
+
+
+def test_arrays_of_cases_and_of_runs_name_their_track() -> None:
+    """They were judged by the places of another one without a word."""
+    evaluator = tm.Evaluator(shipped(), ["zone_speed_limit"])
+    columns = {name: np.array([column] * 3, dtype=float) for name, column in cycle(0).driving.items()}
+    stamps = np.arange(3) * 100_000_000
+    for name, safe in (("modena", True), ("monteblanco", False), (None, True)):
+        shared: dict[str, Any] = {"track": {"name": name, "left": [], "right": []}}
+        batch = evaluator.batch({"plan": columns}, shared)
+        assert batch.safe.tolist() == [safe] * 3
+        assert ("`pit_lane` is on `modena`" in str(batch.case(0).faults)) != safe
+        assert evaluator.whole_run().step(stamps, {"plan": columns}, shared).safe.tolist() == [safe] * 3
+    shared = {"track": {"name": "monteblanco", "left": [], "right": []}}
+    places = {"pit_lane": [[0, 100], [10, 100], [10, 110]]}
+    assert evaluator.batch({"plan": columns}, shared, places=places).safe.all()
+    with pytest.raises(tm.TrackmarshalError, match="the name of a track is a text"):
+        evaluator.batch({"plan": columns}, {"track": {"name": 7, "left": [], "right": []}})
 
 
 def test_the_recordings_of_a_real_planner() -> None:

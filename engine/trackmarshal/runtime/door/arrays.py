@@ -188,7 +188,11 @@ class ArraysReader:
             else:
                 template.events[name] = reader.event(name, raw, faults)
         template.faults = self._cases.refused(faults)
-        return Arrays(self._cases, size, self._settings(overrides, size), template, stacks, events)
+        settings = self._settings(overrides, size)
+        of_track = list[Fault]()
+        reader.same_track(together, settings[0], of_track)  # places are the same in all cases
+        template.faults += self._cases.refused(of_track)
+        return Arrays(self._cases, size, settings, template, stacks, events)
 
     # Shapes ---------------------------------------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -129,8 +129,8 @@ class SignalsReader:
             lanes.read(raw.get(name), frame, faults)
         for name in self.events:
             frame.events[name] = self.event(name, raw.get(name), faults)
-        for name in self._corridors:
-            self._same_track(name, raw.get(name), frame, faults)
+        if self._corridors:
+            self.same_track(raw, frame.settings, faults)
 
     def remembered(self, raw: dict[Any, Any]) -> Remembered | None:
         """What the lines, events and names of tracks are that were read without a fault, as (name, names within, objects), where nobody can change
@@ -148,22 +148,22 @@ class SignalsReader:
             found.append((name, names, objects))
         return None if self.lanes else tuple(found)
 
-    def _same_track(self, signal: str, raw: Any, frame: Frame, faults: list[Fault]) -> None:
+    def same_track(self, raw: Mapping[Any, Any], settings: Settings, faults: list[Fault]) -> None:
         """A fault where the data names a track by no text, or one that the places which rules read are not on."""
-        try:
-            name = None if raw is None else values.mapping(raw).get("name")
-        except (
-            Exception
-        ):  # what was handed in has a say in how it is read; whoever reads it says what is wrong
-            return
-        if name is None:
-            return
-        if not isinstance(name, str):
-            faults.append(fault("wrong_type", signal, "name", None, "the name of a track is a text"))
-            return
-        problem = elsewhere(self._places, str(name), frame.settings.places.keys())
-        if problem:
-            faults.append(fault("wrong_track", signal, "name", None, problem))
+        for signal in self._corridors:
+            given = raw.get(signal)
+            try:
+                name = None if given is None else values.mapping(given).get("name")
+            except Exception:  # what was handed in has a say in how it is read
+                continue  # whoever reads it says what is wrong
+            if name is None:
+                continue
+            if not isinstance(name, str):
+                faults.append(fault("wrong_type", signal, "name", None, "the name of a track is a text"))
+                continue
+            problem = elsewhere(self._places, str(name), settings.places.keys())
+            if problem:
+                faults.append(fault("wrong_track", signal, "name", None, problem))
 
     def refuse_unknown(self, raw: dict[Any, Any], faults: list[Fault], known: frozenset[str]) -> None:
         """Faults of signals that nothing declares."""
