@@ -27,7 +27,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         ],
         {
             "ir/arithmetic.py", "backends/numpy/steps.py", "backends/c/functions/operators.py", "reading/formulas.py", "reading/solving/algebra.py",
-            "semantics/bounds.py",
+            "semantics/advice/intervals.py",
         },
     ),
     "nand": (  # a connective
@@ -35,7 +35,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         [('ConnectiveOp = Literal["and", ', 'ConnectiveOp = Literal["nand", "and", ')],
         {
             "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/functions/expressions.py", "backends/over_run/hoping.py",
-            "backends/witness.py", "explaining/trail.py", "semantics/starting.py",
+            "backends/witness.py", "explaining/trail.py", "semantics/advice/starting.py",
         },
     ),
     "Weight": (  # a number
@@ -46,7 +46,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         ],
         {
             "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
-            "backends/undefined.py", "ir/constants.py", "ir/reads.py", "semantics/bounds.py",
+            "backends/undefined.py", "ir/constants.py", "ir/reads.py", "semantics/advice/bounds.py",
         },
     ),
     "Sorcery": (  # a formula
@@ -57,7 +57,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         ],
         {
             "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
-            "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/bounds.py",
+            "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/advice/bounds.py",
             "testing/moving.py",
         },
     ),

@@ -13,12 +13,15 @@ import os
 import sys
 from collections.abc import Iterator
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
 from types import ModuleType
 from typing import Any
 
 import pytest
 
+from trackmarshal import semantics
 from trackmarshal.cli.check import examine
 from trackmarshal.cli.main import main
 from trackmarshal.cli.project import MARKER
@@ -26,23 +29,6 @@ from trackmarshal.diagnostics import text
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.node import Node
-from trackmarshal.semantics import (
-    arguments,
-    calls,
-    compile,
-    enums,
-    errors,
-    expressions,
-    modules,
-    records,
-    rulebooks,
-    rules,
-    scope,
-    shapes,
-    states,
-    stretches,
-    tables,
-)
 from trackmarshal.semantics.compile import compile_paths
 from trackmarshal.testing import cases
 from trackmarshal.testing import errors as test_errors
@@ -53,6 +39,18 @@ UPDATE = os.environ.get("TRACKMARSHAL_UPDATE_GOLDEN") == "1"
 #: Places that report what no small spec can bring about, and why.
 UNREACHED = {
     "too_deep": "nesting deep enough to exhaust the stack, which tests/unit/test_semantics.py brings about",
+}
+
+
+#: All modules that say what specs mean, and what those of them say that hold nothing else.
+SEMANTICS = [
+    import_module(found.name) for found in walk_packages(semantics.__path__, f"{semantics.__name__}.")
+]
+DECLARED = {
+    kind
+    for module in (*SEMANTICS, test_errors)
+    for kind in vars(module).values()
+    if isinstance(kind, type) and issubclass(kind, Diagnostic) and kind.__module__ == module.__name__
 }
 
 
@@ -112,14 +110,8 @@ def test_no_expected_text_is_left_over() -> None:
 
 def test_every_error_of_meaning_has_an_example() -> None:
     seen = {type(found) for path in CASES for found in said(path)}
-    declared = {
-        kind
-        for module in (errors, test_errors)
-        for kind in vars(module).values()
-        if isinstance(kind, type) and issubclass(kind, Diagnostic) and kind.__module__ == module.__name__
-    }
-    assert declared - seen == set()
-    assert all(issubclass(kind, Node) and kind.explanation and kind.title for kind in declared)
+    assert DECLARED - seen == set()
+    assert all(issubclass(kind, Node) and kind.explanation and kind.title for kind in DECLARED)
 
 
 def test_every_place_that_reports_has_an_example() -> None:
@@ -140,26 +132,8 @@ class Site(Node):
 
 #: Modules that make diagnostics, and the names of what makes them there.
 _MAKERS: tuple[tuple[ModuleType, frozenset[str]], ...] = (
-    *(
-        (module, frozenset(vars(errors)))
-        for module in (
-            arguments,
-            calls,
-            compile,
-            enums,
-            expressions,
-            modules,
-            records,
-            rulebooks,
-            rules,
-            scope,
-            shapes,
-            states,
-            stretches,
-            tables,
-        )
-    ),
-    (cases, frozenset({*vars(test_errors), "fail"})),
+    *((module, frozenset(kind.__name__ for kind in DECLARED)) for module in SEMANTICS),
+    (cases, frozenset({*(kind.__name__ for kind in DECLARED), "fail"})),
 )
 
 
@@ -173,7 +147,7 @@ def _sites_of(module: ModuleType, makers: frozenset[str]) -> Iterator[Site]:
         if not isinstance(function, ast.FunctionDef) or function.name in ("fail", *UNREACHED):
             continue
         for node in ast.walk(function):
-            if isinstance(node, ast.Call) and _called(node) in makers - {"Diagnostic", "Span"}:
+            if isinstance(node, ast.Call) and _called(node) in makers:
                 if module is not cases and _called(node) == "fail":
                     continue
                 yield Site(module.__name__, node.lineno, node.end_lineno or node.lineno, function.name)

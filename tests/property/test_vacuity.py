@@ -10,7 +10,7 @@ from support.agreement import read, results
 from support.generated import RandomChoices, subject
 from support.length import amount
 from trackmarshal.semantics.compile import compile_text
-from trackmarshal.semantics.errors import AlwaysHolds, NeverHolds
+from trackmarshal.semantics.warnings.vacuity import AlwaysHolds, NeverHolds
 
 pytestmark = pytest.mark.verifies("S-1-B-1")
 

@@ -11,7 +11,7 @@ from trackmarshal.cli.check import examine
 from trackmarshal.diagnostics import json as as_json
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.semantics.compile import compile_paths
-from trackmarshal.semantics.errors import UnknownName
+from trackmarshal.semantics.errors.names import UnknownName
 
 VEHICLE = (
     "module vehicle\n" + "".join(f"param q{i} : m = {i + 1} m\n" for i in range(20)) + 'assume A-DRY "dry"\n'

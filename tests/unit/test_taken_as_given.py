@@ -11,7 +11,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, load, loads
 from trackmarshal.runtime.faults import NAMES, fault
 from trackmarshal.semantics.compile import compile_paths
-from trackmarshal.semantics.errors import ModuleName
+from trackmarshal.semantics.errors.names import ModuleName
 
 SPEC = 'module m\nparam most : m/s = 3 m/s\nsignal ego : state { v: m/s }\nrule slow "slow"\n  require ego.v <= most\n'
 

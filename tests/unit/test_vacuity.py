@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from trackmarshal.semantics import bounds
+from trackmarshal.semantics.advice import bounds
 from trackmarshal.semantics.compile import compile_text
 
 HEAD = """module made

@@ -6,7 +6,9 @@ from importlib import import_module
 
 #: Modules whose diagnostics or CODES belong to the catalogue.
 _SOURCES = (
-    "trackmarshal.source", "trackmarshal.store", "trackmarshal.syntax.errors", "trackmarshal.semantics.errors", "trackmarshal.testing.errors", "trackmarshal.configuration", "trackmarshal.evaluation",
+    "trackmarshal.source", "trackmarshal.store", "trackmarshal.syntax.errors", "trackmarshal.testing.errors", "trackmarshal.configuration", "trackmarshal.evaluation",
+    "trackmarshal.semantics.errors.names", "trackmarshal.semantics.errors.expressions", "trackmarshal.semantics.errors.declarations", "trackmarshal.semantics.errors.rules",
+    "trackmarshal.semantics.warnings.numbers", "trackmarshal.semantics.warnings.formulas", "trackmarshal.semantics.warnings.vacuity",
     "trackmarshal.cli.project", "trackmarshal.cli.places", "trackmarshal.cli.evaluate", "trackmarshal.cli.replay", "trackmarshal.cli.import_log",
     "trackmarshal.cli.explain", "trackmarshal.cli.revisions", "trackmarshal.cli.bench", "trackmarshal.testing.builders", "trackmarshal.testing.boundary",
     "trackmarshal.runtime.codes", "trackmarshal.rulebooks.candidates", "trackmarshal.scenarios.codes", "trackmarshal.start.codes", "trackmarshal.lanes.codes",

@@ -90,7 +90,7 @@ def unlimited(compiled: Compiled) -> list[TrackmarshalError]:
 def unconstrained(compiled: Compiled) -> list[Diagnostic]:
     """Constraints that the parameters' own values break; those on values with errors of their own are left out."""
     from trackmarshal.ir import nodes as ir
-    from trackmarshal.semantics.errors import Unconstrained
+    from trackmarshal.semantics.errors.declarations import Unconstrained
 
     spec = compiled.spec
     if not spec.constraints:
@@ -148,7 +148,7 @@ def unknown_requirements(
     What shipped rules satisfy where they come from need not be a requirement of the project that uses them.
     """
     from trackmarshal.diagnostics.base import close_matches
-    from trackmarshal.semantics.errors import UnknownRequirement
+    from trackmarshal.semantics.errors.rules import UnknownRequirement
     from trackmarshal.semantics.modules import from_library
     from trackmarshal.syntax import ast
 

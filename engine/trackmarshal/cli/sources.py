@@ -264,7 +264,7 @@ def kept_runs(project: Project) -> dict[str, str]:
 
 def _finding(item: Diagnostic, signals: Container[str]) -> Finding:
     """A diagnostic of a spec as a finding of the matrix. signals: those that there are, so that none of them is what is missed."""
-    from trackmarshal.semantics.errors import DimensionMismatch
+    from trackmarshal.semantics.errors.expressions import DimensionMismatch
     from trackmarshal.trace import Finding, Place
 
     span = item.span

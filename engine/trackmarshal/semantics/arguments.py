@@ -6,7 +6,8 @@ from itertools import takewhile
 from typing import TYPE_CHECKING
 
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.semantics.errors import UnknownReference, WrongArity
+from trackmarshal.semantics.errors.expressions import WrongArity
+from trackmarshal.semantics.errors.names import UnknownReference
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 

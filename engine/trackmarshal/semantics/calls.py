@@ -12,16 +12,16 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.operators import FUNCTIONS, Dimensions, known
 from trackmarshal.ir.spec import Enumeration
-from trackmarshal.semantics.advice import met_by_others, same_everywhere
+from trackmarshal.semantics.advice.formulas import met_by_others, same_everywhere
 from trackmarshal.semantics.arguments import counted, given, in_order
-from trackmarshal.semantics.errors import (
+from trackmarshal.semantics.errors.expressions import (
     Recursive,
     TooLarge,
-    UnknownReference,
     WrongArity,
     WrongDimension,
     WrongKind,
 )
+from trackmarshal.semantics.errors.names import UnknownReference
 from trackmarshal.semantics.scope import spoken
 from trackmarshal.semantics.shapes import SHAPES, Kind, is_shape, shape_named
 from trackmarshal.semantics.sharing import Made, Place

@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic
-from trackmarshal.semantics.errors import Ambiguous, BareAngle, UnknownField, UnknownName
+from trackmarshal.semantics.errors.names import Ambiguous, UnknownField, UnknownName
+from trackmarshal.semantics.warnings.numbers import BareAngle
 from trackmarshal.source import Span
 
 

@@ -29,24 +29,21 @@ from trackmarshal.ir.spec import (
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls
+from trackmarshal.semantics.advice.bounds import Bounds
 from trackmarshal.semantics.again import Before
-from trackmarshal.semantics.bounds import Bounds
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal, settled
 from trackmarshal.semantics.courses import check_course
 from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.enums import check_enum, declared, unknown
-from trackmarshal.semantics.errors import (
+from trackmarshal.semantics.errors.declarations import (
     BackwardStretch,
     BadPlace,
-    BadValue,
-    Duplicate,
-    NeverAsked,
     ScaleConflict,
     SignalConflict,
-    WrongDimension,
-    WrongKind,
 )
+from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension, WrongKind
+from trackmarshal.semantics.errors.names import Duplicate
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.lifetimes import lifetimes
 from trackmarshal.semantics.modules import Library
@@ -59,6 +56,7 @@ from trackmarshal.semantics.states import check_state
 from trackmarshal.semantics.stretches import ends
 from trackmarshal.semantics.tables import table_info
 from trackmarshal.semantics.values import Poison, on_open_line
+from trackmarshal.semantics.warnings.vacuity import NeverAsked
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit

@@ -10,7 +10,8 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.nodes import JudgedAt
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import COURSE, CourseInfo, FieldType, SignalType
-from trackmarshal.semantics.errors import CourseProblem, JudgedNowhere, SignalConflict
+from trackmarshal.semantics.errors.declarations import CourseProblem, SignalConflict
+from trackmarshal.semantics.errors.rules import JudgedNowhere
 from trackmarshal.semantics.overrun import LONGEST
 from trackmarshal.semantics.values import spoken
 from trackmarshal.source import Span

@@ -8,7 +8,8 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics import states
-from trackmarshal.semantics.errors import CaseProblem, Duplicate, Hides, UnknownMember, WrongKind
+from trackmarshal.semantics.errors.expressions import CaseProblem, WrongKind
+from trackmarshal.semantics.errors.names import Duplicate, Hides, UnknownMember
 from trackmarshal.semantics.values import common, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast

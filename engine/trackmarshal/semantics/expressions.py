@@ -12,8 +12,8 @@ from trackmarshal.ir.operators import ARITHMETIC, QUANTIFIERS, TEMPORAL, UNTIL, 
 from trackmarshal.ir.spec import UNKNOWN, CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics import calls, courses, enums, states, stretches
-from trackmarshal.semantics.advice import (
-    Advice,
+from trackmarshal.semantics.advice.bounds import Bounds
+from trackmarshal.semantics.advice.formulas import (
     changes,
     ends_early,
     goes_on,
@@ -21,20 +21,17 @@ from trackmarshal.semantics.advice import (
     met_by_others,
     same_everywhere,
 )
-from trackmarshal.semantics.bounds import Bounds
+from trackmarshal.semantics.advice.headings import between, laps_over, turns_over
+from trackmarshal.semantics.advice.units import Advice
 from trackmarshal.semantics.constants import literal
-from trackmarshal.semantics.errors import (
+from trackmarshal.semantics.errors.expressions import (
     BadValue,
     DimensionMismatch,
-    Duplicate,
     TooLarge,
-    UnknownField,
-    UnknownName,
-    UnknownReference,
-    UnusedVariable,
     WrongDimension,
     WrongKind,
 )
+from trackmarshal.semantics.errors.names import Duplicate, UnknownField, UnknownName, UnknownReference
 from trackmarshal.semantics.scope import Scope, spoken
 from trackmarshal.semantics.sharing import Shared
 from trackmarshal.semantics.values import (
@@ -44,11 +41,13 @@ from trackmarshal.semantics.values import (
     common,
     own_unit,
     product,
+    record_behind,
     record_spoken,
     span_of,
     written_unit,
 )
 from trackmarshal.semantics.values import spoken as value_spoken
+from trackmarshal.semantics.warnings.vacuity import UnusedVariable
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.notation import ASKED
@@ -408,9 +407,7 @@ class Expressions:
                 return typed.BooleanField(value, expr.name, span)
             if isinstance(dimension, Enumeration):
                 return typed.MemberField(dimension, value, expr.name, span)
-            record = value
-            while isinstance(record, typed.NamedRecord) and record.value is not None:
-                record = record.value
+            record = record_behind(value)
             if isinstance(record, typed.ParameterRecord):
                 return self._parameter(record.symbol, value, expr.name, dimension, span)
             field = None if value.signal is None else value.signal.field(expr.name)
@@ -485,7 +482,7 @@ class Expressions:
             self.number(expr.right, ctx)  # whose errors are reported as well
             raise
         right = self.number(expr.right, ctx)
-        self.advise(self.advice.between(op, left, right, span))
+        self.advise(between(op, left, right, span))
         if op in ("*", "/"):
             dimension = (
                 times(left.dimension, right.dimension) if op == "*" else over(left.dimension, right.dimension)
@@ -593,8 +590,8 @@ class Expressions:
         """Check a comparison of two numbers."""
         self.same("compare", left, right)
         self.advise(self.advice.compared(op, left, right, span))
-        self.advise(self.advice.turns_over(left, right, span))
-        self.advise(self.advice.laps_over(left, right, span))
+        self.advise(turns_over(left, right, span))
+        self.advise(laps_over(left, right, span))
 
     def same(self, action: str, left: typed.Number, right: typed.Number) -> None:
         """Fail unless two numbers have one dimension."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir.overrun import nanoseconds
-from trackmarshal.semantics.errors import LifetimeProblem
+from trackmarshal.semantics.errors.declarations import LifetimeProblem
 from trackmarshal.semantics.overrun import LONGEST
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span

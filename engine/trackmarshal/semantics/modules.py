@@ -16,7 +16,7 @@ from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import below, fetching
 from trackmarshal.library import INSTALLED, LIBRARY
 from trackmarshal.node import Node
-from trackmarshal.semantics.errors import ImportCycle, ModuleName, ModuleNotFound
+from trackmarshal.semantics.errors.names import ImportCycle, ModuleName, ModuleNotFound
 from trackmarshal.source import TEXT, SourceFile, Span, of_text, read
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.keywords import RESERVED

@@ -7,7 +7,7 @@ from typing import assert_never
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import outside_machines, over_run, recalled, recalls, sets
-from trackmarshal.semantics.errors import OverRunProblem
+from trackmarshal.semantics.errors.expressions import OverRunProblem
 from trackmarshal.source import Span
 
 #: The longest window over the run [ns]: a thousand hours.
@@ -65,14 +65,8 @@ def _called(node: ir.Remembered) -> str:
 
 
 def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
-    samples = next((axis for axis in sets(node) if axis.kind == "samples"), None)
-    if samples is not None:
-        hint = f"put the quantifier inside: `{_called(node)} (for all ... in {samples.signal}: ...)`, or live `along` the timeline"
-        return OverRunProblem(
-            node.span,
-            f"`{_called(node)}` would need to know a sample of `{samples.signal}` again in another cycle",
-            hint,
-        )
+    # No sample is known again in another cycle: the quantifier that binds it was looked at first, and refused.
+    assert all(axis.kind != "samples" for axis in sets(node))
     if (
         isinstance(node, ir.Counted)
         and node.upper is None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.spec import Enumeration
-from trackmarshal.semantics.errors import RecordProblem
+from trackmarshal.semantics.errors.declarations import RecordProblem
 from trackmarshal.semantics.shapes import SHAPES, shape_named
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast

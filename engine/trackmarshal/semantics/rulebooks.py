@@ -9,14 +9,13 @@ from typing import NamedTuple, assert_never
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.ranking import above
 from trackmarshal.ir.spec import RulebookInfo
-from trackmarshal.semantics.errors import (
-    BadValue,
+from trackmarshal.semantics.errors.expressions import BadValue, WrongKind
+from trackmarshal.semantics.errors.names import UnknownReference
+from trackmarshal.semantics.errors.rules import (
     RulebookBases,
     RulebookContradicts,
     RulebookCycle,
     RulebookNotRefined,
-    UnknownReference,
-    WrongKind,
 )
 from trackmarshal.semantics.scope import Scope, spoken
 from trackmarshal.source import Span

@@ -15,22 +15,17 @@ from trackmarshal.ir.operators import QUANTIFIERS, known
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo, SignalType
 from trackmarshal.lowering.rules import Lowered, lower_rule
-from trackmarshal.semantics.advice import met_by_others, warnings
+from trackmarshal.semantics.advice.formulas import met_by_others
+from trackmarshal.semantics.advice.starting import never_starts
+from trackmarshal.semantics.advice.vacuity import vacuous
 from trackmarshal.semantics.courses import judged_at
-from trackmarshal.semantics.errors import (
-    AllowsNothing,
-    Ambiguous,
-    ClauseProblem,
-    NothingFound,
-    UnknownName,
-    UnknownReference,
-    UnusedVariable,
-)  # fmt: skip
+from trackmarshal.semantics.errors.names import Ambiguous, UnknownName, UnknownReference
+from trackmarshal.semantics.errors.rules import ClauseProblem
 from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
 from trackmarshal.semantics.overrun import misused, misused_along
-from trackmarshal.semantics.starting import never_starts
-from trackmarshal.semantics.vacuity import vacuous
 from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
+from trackmarshal.semantics.warnings.codes import WARNINGS
+from trackmarshal.semantics.warnings.vacuity import AllowsNothing, NothingFound, UnusedVariable
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, parse_unit
@@ -149,7 +144,7 @@ class RuleBuilder:
 
     def _allow(self, item: ast.Rule | ast.Assume, before: int) -> None:
         """Leave out the warnings that the rule allows, and report what it allows for nothing."""
-        known = warnings() - {"W303", "W304"}
+        known = WARNINGS - {"W303", "W304"}
         allowed = [code for clause in item.clauses if isinstance(clause, ast.Allow) for code in clause.codes]
         names = {code.name for code in allowed}
         given = {d.code for d in self.x.found[before:] if d.level == "warning"}

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
-from trackmarshal.semantics.errors import Ambiguous, Duplicate, Hides, UnknownName
+from trackmarshal.semantics.errors.names import Ambiguous, Duplicate, Hides, UnknownName
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, TypeAlias
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.spec import Enumeration, FieldType
-from trackmarshal.semantics.errors import Duplicate, Hides, ShapeProblem, WrongKind
+from trackmarshal.semantics.errors.declarations import ShapeProblem
+from trackmarshal.semantics.errors.expressions import WrongKind
+from trackmarshal.semantics.errors.names import Duplicate, Hides
 from trackmarshal.semantics.scope import Scope, spoken
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span

@@ -10,25 +10,20 @@ from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.overrun import over_run
 from trackmarshal.lowering.expressions import Lowering
+from trackmarshal.semantics.advice.vacuity import never_taken
 from trackmarshal.semantics.calls import count_definitions
-from trackmarshal.semantics.errors import (
+from trackmarshal.semantics.errors.declarations import NeverTaken, NoReset, StateProblem, UnreachableState
+from trackmarshal.semantics.errors.expressions import (
     BadValue,
-    Duplicate,
-    NeverTaken,
-    NoReset,
     OverRunProblem,
     Recursive,
-    StateProblem,
-    UnknownField,
-    UnknownReference,
-    UnreachableState,
     WrongArity,
     WrongKind,
 )
+from trackmarshal.semantics.errors.names import Duplicate, UnknownField, UnknownReference
 from trackmarshal.semantics.overrun import LONGEST, misused
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.vacuity import never_taken
-from trackmarshal.semantics.values import Broken, Local, Poison
+from trackmarshal.semantics.values import Broken, Local, Poison, record_behind
 from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -346,9 +341,7 @@ def _check_axis(name: str, at: Span, x: Expressions, ctx: Context) -> None:
 def _element(item: ast.State, arg: ast.Expr, x: Expressions, ctx: Context) -> typed.NamedRecord:
     """What stands for the element whose machine is meant, as the guards see it: with all that its set declares."""
     value, span = x.value(arg, ctx), arg.__dict__["span"]
-    bare: typed.Value = value
-    while isinstance(bare, typed.NamedRecord) and bare.value is not None:
-        bare = bare.value
+    bare = record_behind(value) if isinstance(value, typed.RecordNode) else value
     shape = x.shape_of(item.domain)
     if isinstance(
         bare, typed.NamedRecord

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.semantics import calls
-from trackmarshal.semantics.errors import WrongDimension, WrongKind
+from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
 from trackmarshal.semantics.scope import spoken
 from trackmarshal.semantics.shapes import SHAPES
 from trackmarshal.semantics.values import Poison

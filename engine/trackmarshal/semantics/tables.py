@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 from trackmarshal.ir.spec import Across, TableInfo
 from trackmarshal.ir.tables import Way, in_period
 from trackmarshal.semantics.calls import decimal_comma
-from trackmarshal.semantics.errors import BadValue, Duplicate, TablePeriod, TableShape
+from trackmarshal.semantics.errors.declarations import TablePeriod, TableShape
+from trackmarshal.semantics.errors.expressions import BadValue
+from trackmarshal.semantics.errors.names import Duplicate
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import Dimension, in_full, parse_unit

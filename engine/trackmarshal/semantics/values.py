@@ -104,11 +104,28 @@ def record_spoken(record: typed.Record) -> str:
             assert_never(record)
 
 
-def sample_of(record: typed.Record) -> typed.Variable | None:
-    """The sample of a timeline that a record is, whatever its name is here; None for any other record."""
+def behind(number: typed.Number) -> typed.Number:
+    """A number without the names that it goes by."""
+    while True:
+        if isinstance(number, typed.NamedNumber) and number.value is not None:
+            number = number.value
+        elif isinstance(number, typed.CalledNumber):
+            number = number.body
+        else:
+            return number
+
+
+def record_behind(record: typed.Record) -> typed.Record:
+    """A record without the names that it goes by; a name itself where nothing is given for it yet."""
     while isinstance(record, typed.NamedRecord) and record.value is not None:
         record = record.value
-    return record if isinstance(record, typed.Variable) and record.signal.sequence else None
+    return record
+
+
+def sample_of(record: typed.Record) -> typed.Variable | None:
+    """The sample of a timeline that a record is, whatever its name is here; None for any other record."""
+    found = record_behind(record)
+    return found if isinstance(found, typed.Variable) and found.signal.sequence else None
 
 
 def same_record(one: typed.Record, other: typed.Record) -> bool:

@@ -23,9 +23,9 @@ from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
-from trackmarshal.semantics.errors import BareAngle
 from trackmarshal.semantics.expressions import Context
 from trackmarshal.semantics.values import Poison
+from trackmarshal.semantics.warnings.numbers import BareAngle
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.ast import span_of

@@ -10,8 +10,8 @@ from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import short_name
 from trackmarshal.lowering.rules import Lowered
-from trackmarshal.semantics.bounds import FAILS, HOLDS, Bounds, Facts, TooMuchError
-from trackmarshal.semantics.errors import AlwaysHolds, NeverHolds, NoValue
+from trackmarshal.semantics.advice.bounds import FAILS, HOLDS, Bounds, Facts, TooMuchError
+from trackmarshal.semantics.warnings.vacuity import AlwaysHolds, NeverHolds, NoValue
 from trackmarshal.source import Span
 from trackmarshal.units import in_full
 

@@ -16,7 +16,7 @@ from trackmarshal.ir.overrun import over_run, recalls
 from trackmarshal.ir.reads import IS_DRIVEN, IS_EMERGENCY, asks_what_was_driven
 from trackmarshal.ir.spec import ParamInfo
 from trackmarshal.lowering.rules import Lowered
-from trackmarshal.semantics.errors import NeverStarts
+from trackmarshal.semantics.warnings.vacuity import NeverStarts
 
 #: What may be of a formula in a cycle; false is less than unknown, and unknown less than true.
 Truths = frozenset[int]

@@ -13,20 +13,24 @@ from operator import add
 from typing import TypeAlias, assert_never
 
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.arithmetic import apply, arith
-from trackmarshal.ir.operators import ArithmeticOp, ComparisonOp
 from trackmarshal.ir.spec import FieldType, ParamInfo, SignalType, TableInfo
+from trackmarshal.semantics.advice.intervals import (
+    ANY,
+    EQUAL,
+    EVERY,
+    GREATER,
+    HOLD,
+    LESS,
+    NOT_NEGATIVE,
+    Interval,
+    arithmetic,
+    between,
+    function,
+    lie,
+    square,
+)
 from trackmarshal.source import Span
 
-Interval: TypeAlias = tuple[float, float]
-ANY: Interval = (-math.inf, math.inf)
-NOT_NEGATIVE: Interval = (0.0, math.inf)
-#: How the left one of two numbers lies to the right one; bits of a set of these.
-LESS, EQUAL, GREATER = 1, 2, 4
-_EVERY = LESS | EQUAL | GREATER
-_HOLD: dict[ComparisonOp, int] = {
-    "<": LESS, "<=": LESS | EQUAL, "==": EQUAL, "is": EQUAL, "!=": LESS | GREATER,
-}  # fmt: skip
 #: What a formula can come to; bits of a set of these.
 HOLDS, FAILS = 1, 2
 #: Nodes that are looked at for one rule at most: written out, a rule can be far more than it is.
@@ -110,7 +114,7 @@ class Bounds:
                 value = facts.flags.get(_flag(formula))
                 return HOLDS | FAILS if value is None else HOLDS if value else FAILS
             case ir.Compare():
-                order, hold = self._order(formula.left, formula.right, facts), _HOLD[formula.op]
+                order, hold = self._order(formula.left, formula.right, facts), HOLD[formula.op]
                 return (HOLDS if order & hold else 0) | (FAILS if order & ~hold else 0)
             case ir.Scaled() | ir.At():
                 return self.truths(formula.operand, facts)
@@ -182,8 +186,8 @@ class Bounds:
                     facts.numbers, facts.orders, facts.flags, {**facts.states, _machine(formula): left}
                 )
             case ir.Compare():
-                hold = _HOLD[formula.op]
-                return self._ordered(formula.left, formula.right, hold if value else _EVERY & ~hold, facts)
+                hold = HOLD[formula.op]
+                return self._ordered(formula.left, formula.right, hold if value else EVERY & ~hold, facts)
             case ir.Connective() if formula.op in ("and", "or"):
                 if value == (formula.op == "and"):  # both are so
                     first = self._assumed(formula.left, value, facts)
@@ -249,8 +253,8 @@ class Bounds:
         most = 1.0 if isinstance(formula, ir.Counted) and formula.upper == 0 else math.inf
         count = (0.0, most if self.truths(counted, self.nothing) & HOLDS else 0.0)
         limit = self._interval(formula.limit, self.nothing)
-        order = _lie(limit, count) if formula.turned else _lie(count, limit)
-        hold = _HOLD[formula.op]
+        order = lie(limit, count) if formula.turned else lie(count, limit)
+        hold = HOLD[formula.op]
         return (HOLDS if order & hold else 0) | (FAILS if order & ~hold else 0)
 
     # Two numbers --------------------------------------------------------------------------------------------------
@@ -259,8 +263,8 @@ class Bounds:
         """How the left one can lie to the right one."""
         if left is right:
             return EQUAL
-        found = facts.orders.get((left, right), _EVERY) & self._declared(left, right)
-        return found & _lie(self._interval(left, facts), self._interval(right, facts))
+        found = facts.orders.get((left, right), EVERY) & self._declared(left, right)
+        return found & lie(self._interval(left, facts), self._interval(right, facts))
 
     def _declared(self, left: ir.Num, right: ir.Num) -> int:
         """How samples of a column lie that is declared increasing."""
@@ -269,7 +273,7 @@ class Bounds:
                 field = self._field(left.axis.signal, left.field)
                 if field is not None and field.increasing and min(left.offset, right.offset) >= 0:
                     return LESS if left.offset < right.offset else GREATER
-        return _EVERY
+        return EVERY
 
     def _ordered(self, left: ir.Num, right: ir.Num, allowed: int, facts: Facts) -> Facts | None:
         order = self._order(left, right, facts) & allowed
@@ -312,7 +316,7 @@ class Bounds:
                 return ANY if _no_number(node) else (node.value, node.value)
             case ir.Param():
                 info = self.params.get(node.name)
-                return ANY if info is None else _ends(info.lower, info.upper)
+                return ANY if info is None else between(info.lower, info.upper)
             case ir.Column():
                 return self._range(node.axis.signal, node.field)
             case ir.Sample() | ir.Scalar():
@@ -323,7 +327,7 @@ class Bounds:
                 low, high = self._interval(node.operand, facts)
                 return -high, -low
             case ir.Func():
-                return self._function(node, facts)
+                return function(node.name, [self._interval(arg, facts) for arg in node.args])
             case ir.Choose():
                 sides = []
                 self.note(node.condition, facts)
@@ -367,44 +371,13 @@ class Bounds:
     def _arithmetic(self, node: ir.Arith, facts: Facts) -> Interval:
         left, right = self._interval(node.left, facts), self._interval(node.right, facts)
         if node.left is node.right and node.op == "*":
-            ends = [_product(end, end) for end in left]
-            return (0.0 if left[0] <= 0.0 <= left[1] else min(ends)), max(ends)
-        if node.op == "/" and right[0] <= 0.0 <= right[1]:
-            return ANY
-        low, high = _corners(node.op, left, right)
+            return square(left)
+        low, high = arithmetic(node.op, left, right)
         if node.op == "-":  # the sign of a difference is that of the comparison
             order = self._order(node.left, node.right, facts)
             low = low if order & LESS else max(low, 0.0)
             high = high if order & GREATER else min(high, 0.0 if order & EQUAL else -math.ulp(0.0))
         return low, high
-
-    def _function(self, node: ir.Func, facts: Facts) -> Interval:
-        ends = [self._interval(arg, facts) for arg in node.args]
-        low, high = ends[0]
-        match node.name:
-            case "abs":
-                inside = low <= 0.0 <= high
-                return (0.0 if inside else min(abs(low), abs(high))), max(abs(low), abs(high))
-            case "min":
-                return min(e[0] for e in ends), min(e[1] for e in ends)
-            case "max":
-                return max(e[0] for e in ends), max(e[1] for e in ends)
-            case "sqrt" | "floor" | "ceil" | "round":
-                if node.name == "sqrt":
-                    low, high = max(low, 0.0), max(high, 0.0)
-                return apply(node.name, [low]), apply(node.name, [high])
-            case "hypot":
-                return NOT_NEGATIVE
-            case "exp":
-                return NOT_NEGATIVE
-            case "sign" | "sin" | "cos" | "tanh":
-                return -1.0, 1.0
-            case "atan2" | "asin" | "acos":
-                return -4.0, 4.0
-            case "pow" | "log" | "tan":
-                return ANY
-            case _:
-                assert_never(node.name)
 
     def _fold(self, node: ir.Fold, facts: Facts) -> Interval:
         inner: Facts | None = facts.without(node.axis)
@@ -437,7 +410,7 @@ class Bounds:
             return ANY
         if field.enumeration is not None:
             return 0.0, float(len(field.enumeration.members) - 1)
-        return _ends(field.lower, field.upper)
+        return between(field.lower, field.upper)
 
     def _field(self, signal: str, name: str) -> FieldType | None:
         if (signal, name) not in self._fields:
@@ -470,36 +443,3 @@ def _no_number(node: ir.Num) -> bool:
 
 def _denied(truths: int) -> int:
     return (FAILS if truths & HOLDS else 0) | (HOLDS if truths & FAILS else 0)
-
-
-def _ends(lower: float | None, upper: float | None) -> Interval:
-    return -math.inf if lower is None else lower, math.inf if upper is None else upper
-
-
-def _lie(left: Interval, right: Interval) -> int:
-    """How numbers of two intervals can lie."""
-    return (
-        (LESS if left[0] < right[1] else 0)
-        | (EQUAL if left[0] <= right[1] and right[0] <= left[1] else 0)
-        | (GREATER if left[1] > right[0] else 0)
-    )
-
-
-def _product(a: float, b: float) -> float:
-    """Of two ends; an infinite one stands for numbers without an end, and nothing times any of these is nothing."""
-    return 0.0 if a == 0.0 or b == 0.0 else a * b
-
-
-def _corners(op: ArithmeticOp, left: Interval, right: Interval) -> Interval:
-    """Arithmetic is monotone in each operand, rounded or not: its least and its greatest value are at ends."""
-    if op in "+-":
-        low, high = right if op == "+" else (right[1], right[0])
-        ends = [arith(op, left[0], low), arith(op, left[1], high)]
-        return (-math.inf if math.isnan(ends[0]) else ends[0]), (math.inf if math.isnan(ends[1]) else ends[1])
-    if op == "*":
-        found = [_product(a, b) for a in left for b in right]
-    else:
-        found = [arith(op, a, b) for a in left for b in right]
-        if any(map(math.isnan, found)):
-            return ANY
-    return min(found), max(found)

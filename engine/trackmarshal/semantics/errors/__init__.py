@@ -1,0 +1,1 @@
+"""What is wrong with specs, beyond their syntax: one class an error, by what it is about."""
