@@ -21,7 +21,7 @@ from trackmarshal.process.serving import build
 from trackmarshal.process.supervisor import RemoteSupervisor
 from trackmarshal.runtime.contract import ID
 from trackmarshal.runtime.cycle import Limits
-from trackmarshal.semantics.calls import built_in_names
+from trackmarshal.semantics.expressions.calls import built_in_names
 from trackmarshal.syntax.keywords import RESERVED
 
 LIMITS = Limits(**OPEN)

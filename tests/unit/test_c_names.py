@@ -20,7 +20,7 @@ from trackmarshal.backends.c.source import generate
 from trackmarshal.backends.c.supervised.contract import unfit
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
-from trackmarshal.semantics.calls import built_in_names
+from trackmarshal.semantics.expressions.calls import built_in_names
 from trackmarshal.syntax.keywords import RESERVED
 
 needs_compiler = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")

@@ -21,7 +21,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.record.decided import decided
-from trackmarshal.semantics.calls import built_in_names
+from trackmarshal.semantics.expressions.calls import built_in_names
 from trackmarshal.syntax.keywords import RESERVED
 
 pytestmark = pytest.mark.skipif(build.compiler() is None, reason="no C compiler")

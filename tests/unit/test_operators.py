@@ -27,7 +27,7 @@ from trackmarshal.ir.operators import COMPARISONS, FUNCTIONS, Dimensions
 from trackmarshal.ir.spec import RuleInfo, Spec
 from trackmarshal.runtime import kleene
 from trackmarshal.runtime.verdict import VERDICTS
-from trackmarshal.semantics.calls import built_in_names
+from trackmarshal.semantics.expressions.calls import built_in_names
 
 HEAD = "module ops\nsignal ego : state { a: 1, b: 1 }\nsignal trace : series { t: s increasing, u: 1 }\n"
 VALUES = (0.0, -0.0, 0.3, -0.5, 0.5, 1.0, -1.0, 1.5, 2.5, -2.5, 3.0, 1e200, math.inf, -math.inf, math.nan)

@@ -14,7 +14,7 @@ from trackmarshal import typed
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.node import Node
 from trackmarshal.semantics.compile import Compiled, compile_paths
-from trackmarshal.semantics.sharing import Shared
+from trackmarshal.semantics.expressions.sharing import Shared
 from trackmarshal.source import Span
 
 HEAD = """module made

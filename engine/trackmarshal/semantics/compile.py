@@ -28,14 +28,19 @@ from trackmarshal.ir.spec import (
 )
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
-from trackmarshal.semantics import calls
 from trackmarshal.semantics.advice.bounds import Bounds
 from trackmarshal.semantics.again import Before
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.constants import constant_value, literal, settled
-from trackmarshal.semantics.courses import check_course
+from trackmarshal.semantics.declarations.courses import check_course
+from trackmarshal.semantics.declarations.enums import check_enum, declared
+from trackmarshal.semantics.declarations.lifetimes import lifetimes
+from trackmarshal.semantics.declarations.records import check_field, record_params
+from trackmarshal.semantics.declarations.rulebooks import Rulebooks, check_signal, check_test_target
+from trackmarshal.semantics.declarations.shapes import check_shape, own_fields
+from trackmarshal.semantics.declarations.states import check_state
+from trackmarshal.semantics.declarations.tables import table_info
 from trackmarshal.semantics.elsewhere import Elsewhere
-from trackmarshal.semantics.enums import check_enum, declared, unknown
 from trackmarshal.semantics.errors.declarations import (
     BackwardStretch,
     BadPlace,
@@ -44,18 +49,17 @@ from trackmarshal.semantics.errors.declarations import (
 )
 from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension, WrongKind
 from trackmarshal.semantics.errors.names import Duplicate
-from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
-from trackmarshal.semantics.lifetimes import lifetimes
+from trackmarshal.semantics.expressions.calls import built_in_names
+from trackmarshal.semantics.expressions.checking import Context, Expressions, any_timeline
+from trackmarshal.semantics.expressions.definitions import check_definition
+from trackmarshal.semantics.expressions.dimensions import unit_hint as wanted_unit
+from trackmarshal.semantics.expressions.members import unknown
+from trackmarshal.semantics.expressions.places import ends
+from trackmarshal.semantics.expressions.quantifiers import check_used
+from trackmarshal.semantics.expressions.values import Poison, on_open_line
 from trackmarshal.semantics.modules import Library
-from trackmarshal.semantics.records import check_field, record_params
-from trackmarshal.semantics.rulebooks import Rulebooks, check_signal, check_test_target
 from trackmarshal.semantics.rules import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope, spoken
-from trackmarshal.semantics.shapes import check_shape, own_fields
-from trackmarshal.semantics.states import check_state
-from trackmarshal.semantics.stretches import ends
-from trackmarshal.semantics.tables import table_info
-from trackmarshal.semantics.values import Poison, on_open_line
 from trackmarshal.semantics.warnings.vacuity import NeverAsked
 from trackmarshal.source import NOWHERE, Span
 from trackmarshal.syntax import ast
@@ -230,7 +234,7 @@ class _Compiler:
         for item in loaded.tree.items:
             if type(item) in KINDS:
                 scope.declare(item.__dict__["name"], item)
-            if isinstance(item, (ast.Define, ast.Table)) and item.name in calls.built_in_names():
+            if isinstance(item, (ast.Define, ast.Table)) and item.name in built_in_names():
                 self.found.append(Duplicate(item.span.head, NOWHERE, "function", item.name))
         scope.own_broken = loaded.broken
         scope.broken = set(loaded.broken)
@@ -496,7 +500,7 @@ class _Compiler:
     def _param_value(self, item: ast.Param, dimension: Dimension, module: str) -> float:
         value = self.x.number(item.value, self._context(module))
         if value.dimension != dimension:
-            hint = calls.unit_hint(value, dimension, item.unit)
+            hint = wanted_unit(value, dimension, item.unit)
             if value.dimension == NUMBER and isinstance(item.value, ast.Number) and not item.value.unit:
                 hint = f"write the unit: `{item.value.text} {item.unit}`"
             what = f"parameter `{item.name}`"
@@ -635,14 +639,14 @@ class _Compiler:
                 seen.setdefault(parameter.name, parameter.span)
                 self.scopes[module].check_bound(parameter.name, parameter.span, "parameter")
             symbol = Symbol(item, module, f"{module}.{item.name}")
-            check, before = partial(calls.check_definition, self.x, symbol, item, ctx), len(self.found)
+            check, before = partial(check_definition, self.x, symbol, item, ctx), len(self.found)
             if not self.x.attempt(check, item.span.head):
                 self.x.failed.add(symbol.qualified)
             # Where a rule uses it, they are found again, and the rule may allow them.
             self.found[before:] = [d for d in self.found[before:] if not d.code.startswith("W")]
             if not any(found.level == "error" for found in self.found[start:]):
                 for parameter in item.parameters:
-                    self.x.check_used((parameter.name,), (item.body,), parameter.span)
+                    check_used(self.x, (parameter.name,), (item.body,), parameter.span)
 
     def _states(self, module: str) -> None:
         for item in self._own(module, ast.State):

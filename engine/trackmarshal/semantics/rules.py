@@ -18,12 +18,14 @@ from trackmarshal.lowering.rules import Lowered, lower_rule
 from trackmarshal.semantics.advice.formulas import met_by_others
 from trackmarshal.semantics.advice.starting import never_starts
 from trackmarshal.semantics.advice.vacuity import vacuous
-from trackmarshal.semantics.courses import judged_at
+from trackmarshal.semantics.declarations.courses import judged_at
 from trackmarshal.semantics.errors.names import Ambiguous, UnknownName, UnknownReference
 from trackmarshal.semantics.errors.rules import ClauseProblem
-from trackmarshal.semantics.expressions import Context, Expressions, any_timeline
+from trackmarshal.semantics.expressions.checking import Context, Expressions, any_timeline
+from trackmarshal.semantics.expressions.quantifiers import check_new, check_used, range_of, timeline
+from trackmarshal.semantics.expressions.temporal import deadline
+from trackmarshal.semantics.expressions.values import Broken, Local, Poison, named, span_of
 from trackmarshal.semantics.overrun import misused, misused_along
-from trackmarshal.semantics.values import Broken, Local, Poison, named, span_of
 from trackmarshal.semantics.warnings.codes import WARNINGS
 from trackmarshal.semantics.warnings.vacuity import AllowsNothing, NothingFound, UnusedVariable
 from trackmarshal.source import Span
@@ -290,10 +292,11 @@ class RuleBuilder:
                         at = judged_at(clause, range_.signal, self.x)
                         made.append(typed.Along(range_, at, clause.at is not None, clause.span))
                     case ast.Bind():
-                        over, names = self.x.range_of(clause, ctx)
+                        over, names = range_of(clause, self.x, ctx)
                         failed |= over is None
                         ctx = ctx.bind(names, 1)
-                        self.x.check_used(
+                        check_used(
+                            self.x,
                             clause.names,
                             (clause.where, clause.by, *clauses[position + 1 :]),
                             clause.span.head,
@@ -318,9 +321,9 @@ class RuleBuilder:
                         made.append(typed.Whenever(self.x.formula(clause.condition, ctx), clause.span))
                     case ast.WithinTime():
                         within = "within"
-                        made.append(self.x.deadline(clause.bound, clause.span, ctx))
+                        made.append(deadline(clause.bound, clause.span, self.x, ctx))
                     case ast.Let():
-                        self.x.check_new(clause.name, clause.span, ctx)
+                        check_new(clause.name, clause.span, self.x, ctx)
                         about |= {clause.name} if about & mentioned[position] else set()
                         latest |= {clause.name} if latest & mentioned[position] else set()
                         if mentions[clause.name] == (
@@ -380,7 +383,7 @@ class RuleBuilder:
         ):
             hint = "a timeline is a trajectory or a series with a column `t: s increasing`"
             self.x.fail(ClauseProblem(clause.signal.span, f"`{clause.signal.name}` is no timeline", hint))
-        return self.x.timeline(signal, clause.name, clause.span, ctx)
+        return timeline(signal, clause.name, clause.span, self.x, ctx)
 
 
 def _has_time(signal: SignalType) -> bool:

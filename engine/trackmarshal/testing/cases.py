@@ -19,12 +19,12 @@ from trackmarshal.ir.spec import UNKNOWN, Enumeration, FieldType, ParamInfo, Rul
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
-from trackmarshal.semantics import calls
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.constants import constant_value
-from trackmarshal.semantics.expressions import Context
-from trackmarshal.semantics.values import Poison
+from trackmarshal.semantics.expressions.checking import Context
+from trackmarshal.semantics.expressions.dimensions import decimal_comma, unit_hint
+from trackmarshal.semantics.expressions.values import Poison
 from trackmarshal.semantics.warnings.numbers import BareAngle
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -415,7 +415,7 @@ class _Preparation:
             self.fail(call.span, f"`{builder.name}`: {error.message}", error.help or "")
 
     def _arguments(self, call: ast.Call, builder: Builder) -> dict[str, float]:
-        comma = calls.decimal_comma(*map(span_of, call.args))
+        comma = decimal_comma(*map(span_of, call.args))
         if comma:
             self.fail(call.span.word(call.function), f"`{call.function}` has a number in two parts", comma)
 
@@ -511,7 +511,7 @@ class _Preparation:
         parts = self._list(value)
         if len(parts) != 2:
             entries = "1 entry" if len(parts) == 1 else f"{len(parts)} entries"
-            hint = calls.decimal_comma(*map(span_of, parts)) or "write `[x, y]`"
+            hint = decimal_comma(*map(span_of, parts)) or "write `[x, y]`"
             self.fail(span_of(value), f"a pair is needed here, this has {entries}", hint)
         return self._x.each(lambda one: self._number(one[0], one[1], "this"), zip(parts, units))
 
@@ -552,7 +552,7 @@ class _Preparation:
             problem = f"{what} is {quantity(wanted)}, not {quantity(checked.dimension)}"
             bare = checked.dimension == NUMBER
             things = () if bare or field is None else _declared(field.name, field, show(checked.dimension))
-            self.fail(span_of(value), problem, calls.unit_hint(checked, wanted, declared), declared=things)
+            self.fail(span_of(value), problem, unit_hint(checked, wanted, declared), declared=things)
         params = self._spec.params
         plain = typed.literal(checked)
         if plain is not None:
@@ -699,7 +699,7 @@ def _decimal_comma(values: Sequence[ast.Expr]) -> str:
     """What to write for a list with decimal commas; empty where there are none, as in one of whole numbers that are written closely, `[0,1,2]`."""
     spans = [span_of(value) for value in values]
     closely = all(a.file.text[a.end : b.start] == "," for a, b in pairwise(spans))
-    return "" if closely and all(span.text.isdecimal() for span in spans) else calls.decimal_comma(*spans)
+    return "" if closely and all(span.text.isdecimal() for span in spans) else decimal_comma(*spans)
 
 
 __all__ = ["PreparedTest", "prepare"]

@@ -1,4 +1,4 @@
-"""Enumerations: what must hold of their declarations, what is asked of members, and `case`, which has a value for each of them."""
+"""Members of enumerations: what is asked of them, and `case`, which has a value for each of them."""
 
 from __future__ import annotations
 
@@ -7,33 +7,17 @@ from typing import TYPE_CHECKING
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.spec import Enumeration
-from trackmarshal.semantics import states
 from trackmarshal.semantics.errors.expressions import CaseProblem, WrongKind
-from trackmarshal.semantics.errors.names import Duplicate, Hides, UnknownMember
-from trackmarshal.semantics.values import common, spoken
+from trackmarshal.semantics.errors.names import Hides, UnknownMember
+from trackmarshal.semantics.expressions import machines
+from trackmarshal.semantics.expressions.dimensions import same
+from trackmarshal.semantics.expressions.values import common, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import UNITS
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
-    from trackmarshal.semantics.expressions import Context, Expressions
-
-
-def declared(item: ast.Enum, module: str) -> Enumeration:
-    """What a declaration declares; members that stand twice count once."""
-    return Enumeration(f"{module}.{item.name}", tuple(dict.fromkeys(member.name for member in item.members)))
-
-
-def check_enum(item: ast.Enum, found: list[Diagnostic]) -> None:
-    """Report members that stand twice, and a name that a field would take for a unit."""
-    first: dict[str, Span] = {}
-    for member in item.members:
-        if member.name in first:
-            found.append(Duplicate(member.span, first[member.name], "member", member.name))
-        first.setdefault(member.name, member.span)
-    if item.name in UNITS:
-        found.append(Hides(item.span.head, None, "enumeration", item.name, "unit", " of the language"))
+    from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 
 def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:
@@ -63,8 +47,8 @@ def asked(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.Formula:
     """`race.flag is yellow`, `a.lane is b.lane`; or `role(o) is offence`, of a state."""
     left, truth = expr.left, isinstance(expr.right, ast.Boolean)
     named = isinstance(left, ast.Call) or (isinstance(left, ast.Name) and left.name not in ctx.local)
-    if named and (not truth or states.names_machine(left, ctx)):
-        return states.in_state(expr, x, ctx)
+    if named and (not truth or machines.names_machine(left, ctx)):
+        return machines.in_state(expr, x, ctx)
     value = x.value(left, ctx)
     if not isinstance(value, typed.MemberNode):
         wanted, span = "a state, or a field of an enumeration", left.__dict__["span"]
@@ -141,7 +125,7 @@ def case(expr: ast.Case, x: Expressions, ctx: Context) -> typed.NumberCase | typ
         cases = [typed.FormulaBranch(*row, span) for row, span in zip(rows, spans)]
         return typed.FormulaCase(subject, tuple(cases), expr.span)
     for value in values[1:]:
-        x.same("choose between", values[0], value)
+        same(x, "choose between", values[0], value)
     parts = [typed.NumberBranch(*row, span) for row, span in zip(rows, spans)]
     return typed.NumberCase(values[0].dimension, common(*values), subject, tuple(parts), expr.span)
 

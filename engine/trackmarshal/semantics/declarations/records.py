@@ -8,13 +8,13 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.errors.declarations import RecordProblem
-from trackmarshal.semantics.shapes import SHAPES, shape_named
+from trackmarshal.semantics.expressions.shapes import SHAPES, shape_named
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import show
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
     from trackmarshal.semantics.scope import Scope
 
 

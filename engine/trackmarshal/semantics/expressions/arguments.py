@@ -12,7 +12,7 @@ from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def in_order(

@@ -9,7 +9,7 @@ from trackmarshal import typed
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, name
+from trackmarshal.units import NUMBER, name, quantity
 
 
 class Poison(Exception):
@@ -82,6 +82,11 @@ def spoken(value: typed.Value) -> str:
             return "a footprint"
         case _:
             assert_never(value)
+
+
+def number_spoken(value: typed.Value) -> str:
+    """The same, of a number with the unit of its dimension, for where one of another dimension is asked for."""
+    return quantity(value.dimension) if isinstance(value, typed.NumberNode) else spoken(value)
 
 
 def record_spoken(record: typed.Record) -> str:
@@ -195,3 +200,8 @@ def written_unit(values: Iterable[ast.Expr], declared: str) -> str:
         units.add(own_unit(literal.unit) if isinstance(literal, ast.Number) else "")
     unit = units.pop() if len(units) == 1 else ""
     return unit or own_unit(declared)
+
+
+def circle(stack: tuple[str, ...], name: str) -> str:
+    """The way from a declaration back to itself; stack: what stands around its use, outermost first."""
+    return " -> ".join(each.rpartition(".")[2] for each in (*stack[stack.index(name) :], name))

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
-from trackmarshal.ir.spec import Enumeration, FieldType
+from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.errors.declarations import ShapeProblem
 from trackmarshal.semantics.errors.expressions import WrongKind
-from trackmarshal.semantics.errors.names import Duplicate, Hides
+from trackmarshal.semantics.expressions.values import Poison, circle
+from trackmarshal.semantics.expressions.values import spoken as value_spoken
 from trackmarshal.semantics.scope import Scope, spoken
-from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.errors import UnknownUnit
 from trackmarshal.syntax.foreign_units import unit_hint
-from trackmarshal.units import LENGTH, NUMBER, SPEED, UNITS, Dimension, parse_unit
+from trackmarshal.units import LENGTH, NUMBER, SPEED, Dimension, quantity, show
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: What a field is: the dimension of a number, the enumeration of a member, None for a Boolean.
 Kind: TypeAlias = Dimension | Enumeration | None
@@ -38,12 +37,12 @@ SHAPES: dict[str, dict[str, Kind]] = {
     "vehicle": {**_POSE, "v": SPEED, "length": LENGTH, "width": LENGTH},
 }
 #: Types of parameters that take whole signals.
-_SIGNALS = ("trajectory", "corridor", "polyline")
+SIGNALS = ("trajectory", "corridor", "polyline")
 
 
 def is_shape(kind: str) -> bool:
     """Whether the type of a parameter is a shape, of the language or by the name of a declared one, and no unit or kind of signal."""
-    return not is_unit(kind) and kind not in _SIGNALS
+    return not is_unit(kind) and kind not in SIGNALS
 
 
 def shape_named(x: Expressions, name: str, at: Span, scope: Scope) -> typed.Shape:
@@ -54,20 +53,20 @@ def shape_named(x: Expressions, name: str, at: Span, scope: Scope) -> typed.Shap
     if isinstance(found, Diagnostic):
         x.fail(found)
     if found is not None:
-        return _resolved(x, found, at, ())
+        return resolved(x, found, at, ())
     if name in scope.broken or scope.incomplete:
         raise Poison
     unknown = scope.unknown(name, at, "shape", "")
     if unknown.modules:
         x.fail(unknown)
     shapes = [n for n in scope.names() if (s := scope.find(n)) is not None and isinstance(s.item, ast.Shape)]
-    kinds = f"{', '.join(SHAPES)}, {', '.join(_SIGNALS)}, or the name of a `shape`"
+    kinds = f"{', '.join(SHAPES)}, {', '.join(SIGNALS)}, or the name of a `shape`"
     x.fail(
         UnknownUnit(at, "unit or shape", name, close_matches(name, shapes) or unit_hint(name, name, kinds))
     )
 
 
-def _resolved(x: Expressions, symbol: typed.Symbol, at: Span, stack: tuple[str, ...]) -> typed.Shape:
+def resolved(x: Expressions, symbol: typed.Symbol, at: Span, stack: tuple[str, ...]) -> typed.Shape:
     """The fields of a declared shape, those of the shape that it is made of first."""
     item, name = symbol.item, symbol.qualified
     if not isinstance(item, ast.Shape):
@@ -103,40 +102,49 @@ def _base(x: Expressions, item: ast.Shape, symbol: typed.Symbol, stack: tuple[st
     if other is None or item.base in SHAPES:
         return shape_named(x, item.base, at, scope)
     if other.qualified in stack:
-        way = " -> ".join(
-            name.rpartition(".")[2] for name in (*stack[stack.index(other.qualified) :], other.qualified)
-        )
+        way = circle(stack, other.qualified)
         x.fail(ShapeProblem(at, f"the shape `{item.base}` is made of itself: {way}", "write its fields"))
-    return _resolved(x, other, at, stack)
+    return resolved(x, other, at, stack)
 
 
-def check_shape(x: Expressions, item: ast.Shape, symbol: typed.Symbol) -> None:
-    """Report what is wrong with a shape, whether it is used or not."""
-    if symbol.qualified not in x.failed:
-        _resolved(x, symbol, item.span.head, ())
+def shaped(x: Expressions, value: typed.Value, shape: str, span: Span) -> typed.Record:
+    """A value that is a record with the fields that a shape names."""
+    hint = lacking(value, SHAPES[shape]) if isinstance(value, typed.RecordNode) else one_of(value)
+    if not isinstance(value, typed.RecordNode) or hint:
+        x.fail(WrongKind(span, f"something with {', '.join(SHAPES[shape])}", value_spoken(value), hint))
+    return value
 
 
-def own_fields(
-    x: Expressions, item: ast.Shape, qualified: str, read: Callable[[ast.Field], FieldType]
-) -> dict[str, Kind] | None:
-    """The fields that a shape declares itself; None where one of them has an error."""
-    before, found = len(x.found), dict[str, Kind]()
-    first: dict[str, Span] = {}
-    units = x.units.setdefault(qualified, {})
-    if item.name in SHAPES or item.name in _SIGNALS or item.name in UNITS:
-        what = "unit" if item.name in UNITS else "shape" if item.name in SHAPES else "type"
-        x.found.append(Hides(item.span.head, None, "shape", item.name, what, " of the language"))
-    for field in item.fields_:
-        if field.name in first:
-            x.found.append(Duplicate(field.span, first[field.name], "field", field.name))
-            continue
-        first[field.name] = field.span
-        made = read(field)
-        if made.kind == "polyline":
-            hint = "a `corridor` or a `polyline` is a parameter of its own"
-            x.found.append(
-                ShapeProblem(field.span, "a shape has numbers, Booleans and members, and no lines", hint)
-            )
-        units[field.name] = made.unit
-        found[field.name] = None if made.kind == "bool" else made.enumeration or parse_unit(made.unit)[2]
-    return found if len(x.found) == before else None
+def one_of(value: typed.Value) -> str:
+    """How one of a whole set, or a sample of a timeline, is named; empty for what is neither."""
+    if not isinstance(value, typed.SignalNode) or not (value.signal.many or value.signal.sequence):
+        return ""
+    each = "o" if value.signal.many else "p"
+    return (
+        f"this is all of them: bind each by `for all {each} in {value.signal.name}`, and write `{each}` here"
+    )
+
+
+def lacking(value: typed.Record, shape: typed.Shape) -> str:
+    """Why a record does not fit a shape; empty when it does."""
+    for field, kind in shape.items():
+        if field not in value.shape:
+            similar = close_matches(field, [name for name in value.shape if name not in shape])
+            unit = "rad" if field == "heading" else _declared_as(kind)
+            return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
+        if value.shape[field] != kind:
+            return f"its `{field}` is {_kind_spoken(value.shape[field])}, not {_kind_spoken(kind)}"
+    return ""
+
+
+def _declared_as(kind: Kind) -> str:
+    """How a field of a kind is declared."""
+    if isinstance(kind, Enumeration):
+        return kind.name.rpartition(".")[2]
+    return "bool" if kind is None else show(kind)
+
+
+def _kind_spoken(kind: Kind) -> str:
+    if isinstance(kind, Enumeration):
+        return f"a member of `{kind.name.rpartition('.')[2]}`"
+    return "a Boolean" if kind is None else quantity(kind)

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 
 from trackmarshal.ir.spec import Across, TableInfo
 from trackmarshal.ir.tables import Way, in_period
-from trackmarshal.semantics.calls import decimal_comma
 from trackmarshal.semantics.errors.declarations import TablePeriod, TableShape
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.errors.names import Duplicate
+from trackmarshal.semantics.expressions.dimensions import decimal_comma
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import Dimension, in_full, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: A literal in SI that is not infinite, by its expression, the declared unit and that unit's dimension; fails for any other.
 Finite = Callable[[ast.Expr, str, Dimension], float]

@@ -12,14 +12,15 @@ from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import COURSE, CourseInfo, FieldType, SignalType
 from trackmarshal.semantics.errors.declarations import CourseProblem, SignalConflict
 from trackmarshal.semantics.errors.rules import JudgedNowhere
+from trackmarshal.semantics.expressions.temporal import bound
+from trackmarshal.semantics.expressions.values import spoken
 from trackmarshal.semantics.overrun import LONGEST
-from trackmarshal.semantics.values import spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, in_full, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 #: The words for where a rule is judged.
 _PLACES: tuple[JudgedAt, ...] = get_args(JudgedAt)
@@ -39,7 +40,7 @@ def _made(item: ast.Course, x: Expressions, ctx: Context) -> CourseInfo:
     lived, planned, (number, seconds) = x.all(
         partial(_record, item.lived, x, ctx),
         partial(_trajectory, item.planned, x, ctx),
-        lambda: x.bound(item.bound, ctx),
+        lambda: bound(item.bound, x, ctx),
     )
     if seconds <= 0.0 or nanoseconds(seconds) > LONGEST:
         problem = (
@@ -126,13 +127,6 @@ def judged_at(clause: ast.Along, signal: SignalType, x: Expressions) -> JudgedAt
             JudgedNowhere(clause.at.span, f"where `{signal.name}` begins is moving on with every cycle", hint)
         )
     return word
-
-
-def refuse_course(signal: SignalType, span: Span, what: str, x: Expressions) -> None:
-    """Fail for what can be done with a timeline, and not with a course."""
-    if signal.kind == COURSE:
-        hint = f"write a rule `along {signal.name} as ...`: its operators range over it"
-        _fail(x, span, f"{what} the course `{signal.name}`", hint)
 
 
 def _fail(x: Expressions, span: Span, problem: str, hint: str) -> NoReturn:

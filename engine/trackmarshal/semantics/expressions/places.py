@@ -1,4 +1,4 @@
-"""Stretches of lines: their declarations, and whether a point or a station lies in one."""
+"""Zones, and stretches of lines: whether a point or a station lies in one."""
 
 from __future__ import annotations
 
@@ -6,21 +6,32 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from trackmarshal import typed
-from trackmarshal.semantics import calls
 from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
+from trackmarshal.semantics.expressions.dimensions import unit_hint
+from trackmarshal.semantics.expressions.geometry import line
+from trackmarshal.semantics.expressions.shapes import SHAPES, shaped
+from trackmarshal.semantics.expressions.values import Poison
+from trackmarshal.semantics.expressions.values import spoken as value_spoken
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.shapes import SHAPES
-from trackmarshal.semantics.values import Poison
-from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import LENGTH, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 #: A line, and the stations [m] at which a stretch of it begins and ends.
 Ends = tuple[typed.Line, typed.Number, typed.Number]
+
+
+def in_zone(expr: ast.InZone, x: Expressions, ctx: Context) -> typed.Formula:
+    """`p in zone pit`."""
+    at = Span(expr.span.file, ast.span_of(expr.value).end, expr.span.end).word(expr.zone)
+    found = x.look_up(expr.zone, at, "zone", set(), ctx)
+    if not isinstance(found.item, ast.Place) or found.item.kind != "zone":
+        x.fail(WrongKind(at, "a zone", f"the {spoken(found.item)} `{expr.zone}`"))
+    point = shaped(x, x.value(expr.value, ctx), "point", ast.span_of(expr.value))
+    return typed.InZone(point, typed.Zone(found, at), expr.span)
 
 
 def in_stretch(expr: ast.InStretch, x: Expressions, ctx: Context) -> typed.Formula:
@@ -44,17 +55,17 @@ def between_stations(expr: ast.BetweenStations, x: Expressions, ctx: Context) ->
 
 def ends(expr: ast.Stretch | ast.BetweenStations, x: Expressions, ctx: Context) -> Ends:
     """The line of a stretch, where it begins and where it ends."""
-    line, start, end = x.all(
-        lambda: calls.line(x, x.value(expr.line, ctx), ast.span_of(expr.line)),
+    on, start, end = x.all(
+        lambda: line(x, x.value(expr.line, ctx), ast.span_of(expr.line)),
         *(partial(_station, one, what, x, ctx) for one, what in ((expr.start, "begins"), (expr.end, "ends"))),
     )
-    return line, start, end
+    return on, start, end
 
 
 def _station(expr: ast.Expr, what: str, x: Expressions, ctx: Context) -> typed.Number:
     number = x.number(expr, ctx)
     if number.dimension != LENGTH:
-        told, hint = f"the station at which a stretch {what}", calls.unit_hint(number, LENGTH)
+        told, hint = f"the station at which a stretch {what}", unit_hint(number, LENGTH)
         x.fail(WrongDimension(number.span, None, told, quantity(LENGTH), quantity(number.dimension), hint))
     return number
 
@@ -65,7 +76,7 @@ def _place(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Record | typed
     if isinstance(value, typed.NumberNode) and value.dimension == LENGTH:
         return value
     if isinstance(value, typed.RecordNode):
-        return calls.shaped(x, value, "point", ast.span_of(expr))
+        return shaped(x, value, "point", ast.span_of(expr))
     found = quantity(value.dimension) if isinstance(value, typed.NumberNode) else value_spoken(value)
     wanted = f"a station, or something with {', '.join(SHAPES['point'])}"
     x.fail(WrongKind(ast.span_of(expr), wanted, found))

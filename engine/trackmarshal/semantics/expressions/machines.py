@@ -1,4 +1,4 @@
-"""State machines: what must hold of their declarations, and what is asked of them in formulas."""
+"""State machines, as formulas ask for them: in which state they are, for how long, and what they keep."""
 
 from __future__ import annotations
 
@@ -7,12 +7,6 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.overrun import over_run
-from trackmarshal.lowering.expressions import Lowering
-from trackmarshal.semantics.advice.vacuity import never_taken
-from trackmarshal.semantics.calls import count_definitions
-from trackmarshal.semantics.errors.declarations import NeverTaken, NoReset, StateProblem, UnreachableState
 from trackmarshal.semantics.errors.expressions import (
     BadValue,
     OverRunProblem,
@@ -21,17 +15,20 @@ from trackmarshal.semantics.errors.expressions import (
     WrongKind,
 )
 from trackmarshal.semantics.errors.names import Duplicate, UnknownField, UnknownReference
-from trackmarshal.semantics.overrun import LONGEST, misused
+from trackmarshal.semantics.expressions.definitions import count_definitions
+from trackmarshal.semantics.expressions.dimensions import same
+from trackmarshal.semantics.expressions.temporal import bound
+from trackmarshal.semantics.expressions.values import Local, Poison, circle, record_behind
+from trackmarshal.semantics.expressions.values import spoken as value_spoken
+from trackmarshal.semantics.overrun import LONGEST
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.values import Broken, Local, Poison, record_behind
-from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol
 from trackmarshal.units import TIME, in_full
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 #: What asks whether a machine is in a state.
 IS = "is"
@@ -43,50 +40,7 @@ _WHAT_LED_THERE = (
 )
 
 
-# Declarations ---------------------------------------------------------------------------------------------------
-
-
-def check_state(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -> None:
-    """Everything about a declaration; where it has an error, nothing more is said about its uses."""
-    before = len(x.found)
-    failed = not _check_names(item, x)
-    if not failed:
-        _check_ways(item, x)
-    try:
-        _bridged(item, x, ctx)
-        _check_guards(item, symbol, x, ctx)
-    except Poison:
-        failed = True
-    except RecursionError:
-        x.too_deep(item.span.head)
-    if failed or any(found.level == "error" for found in x.found[before:]):
-        x.failed.add(symbol.qualified)
-
-
-def _check_names(item: ast.State, x: Expressions) -> bool:
-    """Whether all states that are named are listed, each once."""
-    listed: dict[str, Span] = {}
-    good = True
-    for state in item.states:
-        if state.name in listed:
-            x.found.append(Duplicate(state.span, listed[state.name], "state", state.name))
-            good = False
-        listed.setdefault(state.name, state.span)
-    for name in (item.start, *(name for one in item.transitions for name in (one.target, *one.sources))):
-        if name.name not in listed:
-            x.found.append(_no_such_state(item, name))
-            good = False
-    for one in item.transitions:
-        for source in one.sources:
-            if source.name == one.target.name:
-                problem = f"`{source.name}` does not become what it is"
-                hint = "name the states that it leads from: all others"
-                x.found.append(BadValue(source.span, problem, one.target.span, hint, "it leads here"))
-                good = False
-    return good
-
-
-def _no_such_state(item: ast.State, name: ast.Name) -> UnknownReference:
+def no_such_state(item: ast.State, name: ast.Name) -> UnknownReference:
     states = dict.fromkeys(state.name for state in item.states)
     hint = close_matches(name.name, states) or f"its states are {', '.join(states)}"
     return UnknownReference(name.span, f"`{item.name}` has no state `{name.name}`", hint)
@@ -98,102 +52,18 @@ def sources(item: ast.State, one: ast.Transition) -> tuple[str, ...]:
     return tuple(state.name for state in item.states if state.name in named - {one.target.name})
 
 
-def _check_ways(item: ast.State, x: Expressions) -> None:
-    """Every state can be reached and left, and every transition can be taken, as far as guards that are alike can tell."""
-    taken: list[tuple[ast.Transition, set[str]]] = []
-    for place, one in enumerate(item.transitions):
-        left = set(sources(item, one))
-        known = _conjuncts(one.condition)
-        for earlier in item.transitions[:place]:
-            if earlier.condition in known or earlier.condition == ast.Boolean(True):
-                left -= set(sources(item, earlier))
-            if not left:
-                x.found.append(NeverTaken(one.span.head, earlier.span.head, one.target.name))
-                break
-        taken.append((one, left))
-    if all(item.start.name not in left for _, left in taken):
-        x.found.append(StateProblem(item.span.head, f"`{item.name}` is `{item.start.name}` for ever"))
-        return
-    reached, grown = {item.start.name}, True
-    while grown:
-        more = {one.target.name for one, left in taken if left & reached} - reached
-        reached, grown = reached | more, bool(more)
-    for state in item.states:
-        leaving = next((one for one, left in taken if state.name in left), None)
-        if state.name not in reached:
-            x.found.append(UnreachableState(state.span, item.name, state.name))
-        elif leaving is None and not state.final:
-            hint = f"add a `becomes` that leads on, or write `final {state.name}`"
-            x.found.append(NoReset(state.span, f"nothing leads out of `{state.name}`", hint))
-        elif leaving is not None and state.final:
-            hint = "name with `from` the states that it leads from, or remove `final`"
-            problem = f"`{state.name}` is final, and is left"
-            x.found.append(NoReset(state.span, problem, hint, leaving.span.head))
-
-
-def _conjuncts(condition: ast.Expr) -> list[ast.Expr]:
-    """A guard, and the parts of it all of which have to hold."""
-    found: list[ast.Expr] = [condition]
-    for part in found:
-        if isinstance(part, ast.Binary) and part.op == "and":
-            found += [part.left, part.right]
-    return found
-
-
-def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -> None:
-    """The guards, for any element: what they are about, and that they wait for nothing."""
-    element: Local | None = None
-    if item.domain:
-        domain = ast.Name(item.domain, item.span.word(item.domain))
-        try:
-            range_, names = x.axis(domain, (item.binder,), False, item.span.head, ctx)
-            element = names[item.binder]
-            if not range_.signal.many:
-                problem = (
-                    f"a sample of `{item.domain}` has no history: it is not known again in another cycle"
-                )
-                x.found.append(OverRunProblem(domain.span, problem, "write `for each` of a set of objects"))
-                element = Broken()
-        except Poison:
-            element = Broken()
-    before = len(x.found)
-    transitions = _written_out(item, symbol, element, x, ctx.bind({}, 1))
-    # Where a rule asks for the state, they are found again, and the rule may allow them.
-    x.found[before:] = [found for found in x.found[before:] if not found.code.startswith("W")]
-    if isinstance(element, Broken):
-        raise Poison
-    lowering = Lowering(ir.Interner())
-    for one in transitions:
-        guard = lowering.formula(one.guard)
-        problem_ = misused(guard)
-        ahead = next((n for n in ir.below(guard) if isinstance(n, ir.Remembered) and not n.past), None)
-        if problem_ is None and ahead is not None:
-            hint = (
-                "a guard speaks of now and of what was: `once`, `historically`, `since`, `previous`, `count`"
-            )
-            problem_ = OverRunProblem(ahead.span, f"`{item.name}` cannot wait for what will be", hint)
-        if problem_ is not None:
-            x.fail(problem_)
-        never = never_taken(guard, one.guard.span, x.bounds)
-        x.found += [] if never is None else [never]
-        for keep in one.kept:
-            if over_run(lowering.number(keep.value)):
-                problem = "what is remembered is a number of the cycle of the transition alone"
-                x.fail(OverRunProblem(keep.span, problem, "leave out what was, and what states keep"))
-
-
-def _bridged(item: ast.State, x: Expressions, ctx: Context) -> float:
+def bridged(item: ast.State, x: Expressions, ctx: Context) -> float:
     """How long a gap is that leaves a machine as it was [s]; 0 where it says nothing of gaps."""
     if item.bridges is None:
         return 0.0
-    number, seconds = x.bound(item.bridges, ctx)
+    number, seconds = bound(item.bridges, x, ctx)
     if not 0.0 <= seconds <= LONGEST / 1e9:
         hint = "write for how long: `bridges 1 s`, a thousand hours at most"
         x.fail(BadValue(number.span, f"no gap lasts for {in_full(seconds, 's')}", None, hint))
     return seconds
 
 
-def _written_out(
+def written_out(
     item: ast.State, symbol: Symbol, element: Local | None, x: Expressions, ctx: Context
 ) -> tuple[typed.Transition, ...]:
     """The transitions of a machine, with what stands for its element; the errors of all of them are reported."""
@@ -225,10 +95,7 @@ def _check_kept(transitions: list[typed.Transition], x: Expressions) -> None:
             if keep.name in own:
                 x.fail(Duplicate(keep.span, own[keep.name].span, "remembered number", keep.name))
             own[keep.name] = keep
-            x.same("remember by one name", first.setdefault(keep.name, keep).value, keep.value)
-
-
-# Uses -----------------------------------------------------------------------------------------------------------
+            same(x, "remember by one name", first.setdefault(keep.name, keep).value, keep.value)
 
 
 def in_state(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.InState:
@@ -241,7 +108,7 @@ def in_state(expr: ast.Infix, x: Expressions, ctx: Context) -> typed.InState:
         hint = f"its states are {', '.join(state.name for state in item.states)}"
         x.fail(UnknownReference(at, f"this is no state of `{item.name}`", hint))
     if expr.right.name not in {state.name for state in item.states}:
-        x.fail(_no_such_state(item, expr.right))
+        x.fail(no_such_state(item, expr.right))
     return typed.InState(machine, expr.right.name, expr.span)
 
 
@@ -318,17 +185,15 @@ def machine_of(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Machine:
         raise Poison
     element = _element(item, args[0], x, ctx) if args else None
     if symbol.qualified in ctx.stack:
-        inside = (*ctx.stack[ctx.stack.index(symbol.qualified) :], symbol.qualified)
-        cycle = " -> ".join(one.rpartition(".")[2] for one in inside)
-        x.fail(Recursive(at, name, cycle, _WHAT_LED_THERE))
+        x.fail(Recursive(at, name, circle(ctx.stack, symbol.qualified), _WHAT_LED_THERE))
     count_definitions(x, 1, span, ctx)
     before = len(x.found)
-    transitions = _written_out(item, symbol, element, x, ctx)
+    transitions = written_out(item, symbol, element, x, ctx)
     # What is never used was told of its declaration, once; the others the rule may allow.
     x.found[before:] = [
         found for found in x.found[before:] if found.code.startswith("W") or found.level == "error"
     ]
-    return typed.Machine(symbol, element, transitions, _bridged(item, x, ctx), span)
+    return typed.Machine(symbol, element, transitions, bridged(item, x, ctx), span)
 
 
 def _check_axis(name: str, at: Span, x: Expressions, ctx: Context) -> None:
@@ -342,7 +207,7 @@ def _element(item: ast.State, arg: ast.Expr, x: Expressions, ctx: Context) -> ty
     """What stands for the element whose machine is meant, as the guards see it: with all that its set declares."""
     value, span = x.value(arg, ctx), arg.__dict__["span"]
     bare = record_behind(value) if isinstance(value, typed.RecordNode) else value
-    shape = x.shape_of(item.domain)
+    shape = x.shape(x.signals[item.domain])
     if isinstance(
         bare, typed.NamedRecord
     ):  # of a definition that is checked by itself: nothing is given for it yet

@@ -1,0 +1,1 @@
+"""Declarations of modules: what must hold of each beyond its syntax, and what it comes to."""
