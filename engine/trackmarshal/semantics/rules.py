@@ -256,10 +256,10 @@ class RuleBuilder:
         if isinstance(symbol, Ambiguous) or (isinstance(symbol, UnknownName) and symbol.modules):
             self.x.found.append(symbol)
         elif symbol is not None:
-            references = [
-                n for n in scope.names() if isinstance(getattr(scope.find(n), "item", None), ast.Reference)
-            ]
-            hint = close_matches(name, references) or f'declare it: `reference {name} = "..."`'
+            hint = (
+                close_matches(name, scope.names_of(ast.Reference))
+                or f'declare it: `reference {name} = "..."`'
+            )
             self.x.found.append(
                 UnknownReference(span, f"no reference `{name}` is declared here or in a used module", hint)
             )

@@ -82,6 +82,14 @@ class Scope:
     def names(self) -> set[str]:
         return {*self.own, *self.used}
 
+    def names_of(self, kind: type[ast.Item]) -> list[str]:
+        """The names of declarations of a kind; none of those that two modules declare."""
+        return [
+            name
+            for name in self.names()
+            if (found := self.find(name)) is not None and isinstance(found.item, kind)
+        ]
+
     def knows(self, name: str) -> bool:
         return name in self.own or name in self.used
 

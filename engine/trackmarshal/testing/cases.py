@@ -13,6 +13,7 @@ from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.constants import constant_value
 from trackmarshal.ir.margins import SCALED, margin_units, own_unit
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import UNKNOWN, Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
@@ -21,7 +22,6 @@ from trackmarshal.node import Node
 from trackmarshal.runtime.settings import check_table
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
-from trackmarshal.semantics.constants import constant_value
 from trackmarshal.semantics.expressions.checking import Context
 from trackmarshal.semantics.expressions.dimensions import decimal_comma, unit_hint
 from trackmarshal.semantics.expressions.values import Poison

@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 _PLACES: tuple[JudgedAt, ...] = get_args(JudgedAt)
 
 
-def check_course(item: ast.Course, x: Expressions, ctx: Context, own: bool) -> None:
-    """Declare a course. own: it is the one that its module means by the name."""
+def check_course(item: ast.Course, x: Expressions, ctx: Context) -> None:
+    """Declare a course; what a module declares anew is the same as what another one says."""
     made = _made(item, x, ctx)
     known = x.courses.setdefault(item.name, made)
+    own = ctx.scope.own[item.name].item is item
     if own and (known.lived, known.planned, known.back) != (made.lived, made.planned, made.back):
         x.fail(SignalConflict(item.span.head, known.signal.span.head, item.name))
     if item.name in x.signals:

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from trackmarshal.semantics.scope import Scope
 
 
-def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope) -> tuple[typed.Shape, list[ast.Param]]:
-    """The shape of a record, and a parameter for each of its fields, in the unit that the shape declares; fails where they do not fit."""
+def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope, params: list[ast.Param]) -> None:
+    """Declare a record, and add a parameter for each of its fields, in the unit that the shape declares; fails where they do not fit."""
     at = item.span.head.word(item.shape)
     shape = shape_named(x, item.shape, at, scope)
     units = _units(x, item.shape, shape, scope)
@@ -29,7 +29,7 @@ def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope) -> tuple[
         problem = f"`{plain[0]}` of `{item.shape}` is no number"
         problems.append(RecordProblem(at, problem, "parameters are numbers: take a shape of numbers alone"))
     first: dict[str, Span] = {}
-    params = []
+    made = []
     for entry in item.entries:
         if entry.name in first:
             problems.append(
@@ -45,7 +45,7 @@ def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope) -> tuple[
             problems.append(RecordProblem(entry.span, f"`{item.shape}` has no field `{entry.name}`", hint))
         elif entry.name not in plain:
             name = f"{item.name}.{entry.name}"
-            params.append(
+            made.append(
                 ast.Param(name, units[entry.name], entry.value, entry.range, entry.source, entry.span)
             )
         first.setdefault(entry.name, entry.span)
@@ -57,7 +57,8 @@ def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope) -> tuple[
     if problems:
         x.found += problems[1:]
         x.fail(problems[0])
-    return shape, params
+    x.records.setdefault(f"{scope.module}.{item.name}", shape)
+    params += made
 
 
 def check_field(x: Expressions, item: ast.Param, scope: Scope) -> None:

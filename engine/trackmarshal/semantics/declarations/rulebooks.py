@@ -1,4 +1,4 @@
-"""Rulebooks, signals and the targets of tests: what must hold of a declaration beyond its syntax."""
+"""Rulebooks: rules that are ranked, without a circle, and what one keeps of the one that it builds on."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple, assert_never
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.ranking import above
 from trackmarshal.ir.spec import RulebookInfo
-from trackmarshal.semantics.errors.expressions import BadValue, WrongKind
+from trackmarshal.semantics.errors.expressions import WrongKind
 from trackmarshal.semantics.errors.names import UnknownReference
 from trackmarshal.semantics.errors.rules import (
     RulebookBases,
@@ -194,81 +194,3 @@ def _contradicts(circle: tuple[_Step, ...], item: ast.Rulebook) -> RulebookContr
     theirs = [step for step in circle if step not in own]
     other = next((step for step in theirs if step.relation == ">"), theirs[0])
     return RulebookContradicts(turned[0].span, other.span, turned[0].upper, _told(turned), other.book)
-
-
-def check_signal(item: ast.Signal, found: list[Diagnostic]) -> None:
-    """What a signal of a kind may hold."""
-    head, kind = item.span.head, item.kind
-    if item.many != (kind in ("object", "lane")):
-        problem = f"there is no set of {kind}s" if item.many else f"{kind}s come in sets"
-        found.append(
-            BadValue(
-                head,
-                problem,
-                None,
-                f"write `set of {kind if kind == 'lane' else 'object'}`"
-                + ("" if item.many else ", or `state` for a single record"),
-            )
-        )
-    if kind == "polyline" and item.fields_:
-        found.append(
-            BadValue(item.fields_[0].span, "a polyline has no fields", None, "it is a list of points")
-        )
-    if kind == "corridor" and item.fields_:
-        sides = {field.name for field in item.fields_ if field.type == "polyline"}
-        for field in item.fields_:
-            if field.type != "polyline" or field.name not in ("left", "right"):
-                found.append(
-                    BadValue(
-                        field.span, f"a corridor has no field `{field.name}: {field.type}`", None, _CORRIDOR
-                    )
-                )
-        for side in ("left", "right"):
-            if side not in sides:
-                found.append(
-                    BadValue(head, f"the corridor `{item.name}` lacks `{side}: polyline`", None, _CORRIDOR)
-                )
-    sides = {field.name for field in item.fields_ if field.type == "polyline"}
-    for side in ("left", "right") if kind == "lane" else ():
-        if side not in sides:
-            found.append(BadValue(head, f"a lane lacks `{side}: polyline`", None, _LANE))
-    for field in item.fields_ if kind not in ("corridor", "polyline") else ():
-        if kind == "lane" and field.type == "polyline" and field.name in ("left", "right"):
-            continue
-        if field.type == "polyline":
-            found.append(
-                BadValue(
-                    field.span,
-                    f"a lane has no border `{field.name}`"
-                    if kind == "lane"
-                    else f"a {kind} has no polylines",
-                    None,
-                    "it has `left` and `right`"
-                    if kind == "lane"
-                    else "polylines stand in a corridor, or alone",
-                )
-            )
-        if field.increasing and kind not in ("trajectory", "series"):
-            found.append(
-                BadValue(
-                    field.span,
-                    f"a field of a {kind} has no order",
-                    None,
-                    "only columns of a timeline increase",
-                )
-            )
-
-
-_CORRIDOR = "its fields are `left: polyline` and `right: polyline`"
-_LANE = "write `set of lane { left: polyline, right: polyline, ... }`"
-
-
-def check_test_target(item: ast.Item, rules: set[str], found: list[Diagnostic]) -> None:
-    """A test names a rule or an assumption."""
-    assert isinstance(item, ast.Test)
-    if item.rule not in rules:
-        at = item.span.head.word(item.rule)
-        hint = (
-            close_matches(item.rule, rules) or "a test follows the rule that it is about, or uses its module"
-        )
-        found.append(UnknownReference(at, f"no rule `{item.rule}` to test", hint))

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from trackmarshal import typed
-from trackmarshal.ir.spec import FieldType
+from trackmarshal.semantics.declarations.fields import field_type
 from trackmarshal.semantics.errors.declarations import ShapeProblem
 from trackmarshal.semantics.errors.names import Duplicate, Hides
 from trackmarshal.semantics.expressions.shapes import SHAPES, SIGNALS, Kind, resolved
@@ -15,19 +14,19 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import UNITS, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Expressions
+    from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 
-def check_shape(x: Expressions, item: ast.Shape, symbol: typed.Symbol) -> None:
+def check_shape(item: ast.Shape, x: Expressions, ctx: Context) -> None:
     """Report what is wrong with a shape, whether it is used or not."""
+    symbol = typed.Symbol(item, ctx.scope.module, f"{ctx.scope.module}.{item.name}")
     if symbol.qualified not in x.failed:
         resolved(x, symbol, item.span.head, ())
 
 
-def own_fields(
-    x: Expressions, item: ast.Shape, qualified: str, read: Callable[[ast.Field], FieldType]
-) -> dict[str, Kind] | None:
-    """The fields that a shape declares itself; None where one of them has an error."""
+def own_fields(item: ast.Shape, x: Expressions, ctx: Context) -> None:
+    """Declare the fields that a shape has of its own; none where one of them has an error."""
+    qualified = f"{ctx.scope.module}.{item.name}"
     before, found = len(x.found), dict[str, Kind]()
     first: dict[str, Span] = {}
     units = x.units.setdefault(qualified, {})
@@ -39,7 +38,7 @@ def own_fields(
             x.found.append(Duplicate(field.span, first[field.name], "field", field.name))
             continue
         first[field.name] = field.span
-        made = read(field)
+        made = field_type(x, field, ctx.scope)
         if made.kind == "polyline":
             hint = "a `corridor` or a `polyline` is a parameter of its own"
             x.found.append(
@@ -47,4 +46,5 @@ def own_fields(
             )
         units[field.name] = made.unit
         found[field.name] = None if made.kind == "bool" else made.enumeration or parse_unit(made.unit)[2]
-    return found if len(x.found) == before else None
+    if len(x.found) == before:
+        x.own_fields.setdefault(qualified, found)

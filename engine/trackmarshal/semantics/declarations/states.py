@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from trackmarshal.semantics.expressions.checking import Context, Expressions
 
 
-def check_state(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context) -> None:
+def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:
     """Everything about a declaration; where it has an error, nothing more is said about its uses."""
+    symbol = Symbol(item, ctx.scope.module, f"{ctx.scope.module}.{item.name}")
     before = len(x.found)
     failed = not _check_names(item, x)
     if not failed:

@@ -11,7 +11,6 @@ from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
 from trackmarshal.node import Node
 from trackmarshal.semantics.advice.bounds import Bounds
 from trackmarshal.semantics.advice.units import Advice
-from trackmarshal.semantics.constants import literal
 from trackmarshal.semantics.errors.expressions import BadValue, TooLarge, WrongKind
 from trackmarshal.semantics.expressions import (
     arithmetic,
@@ -25,7 +24,7 @@ from trackmarshal.semantics.expressions import (
     temporal,
 )
 from trackmarshal.semantics.expressions.sharing import Shared
-from trackmarshal.semantics.expressions.values import Local, Poison, own_unit, spoken
+from trackmarshal.semantics.expressions.values import Local, Poison, in_si, own_unit, spoken
 from trackmarshal.semantics.scope import Scope
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -152,12 +151,13 @@ class Expressions:
             raise Poison
         return values
 
-    def literal(self, expr: ast.Number) -> tuple[float, Dimension]:
-        """What digits with their unit are in SI, and of which dimension."""
-        value, problem = literal(expr.text, expr.unit or "1")
+    def literal(self, expr: ast.Number, bare: str = "1") -> tuple[float, Dimension]:
+        """What digits are in SI, and of which dimension: in their own unit, else in the unit `bare`."""
+        unit = expr.unit or bare
+        value, problem = in_si(expr.text, unit)
         if problem:
             self.fail(BadValue(ast.span_of(expr), problem, None, "is an exponent or a unit wrong?"))
-        return value, parse_unit(expr.unit or "1")[2]
+        return value, parse_unit(unit)[2]
 
     def number(self, expr: ast.Expr, ctx: Context) -> typed.Number:
         return self.numeric(self.value(expr, ctx), expr)

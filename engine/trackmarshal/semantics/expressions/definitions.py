@@ -127,7 +127,7 @@ def _body(
     return typed.CalledNumber(value.dimension, written, symbol, given, infix, value, span)
 
 
-def check_definition(x: Expressions, symbol: typed.Symbol, item: ast.Define, ctx: Context) -> None:
+def check_body(x: Expressions, symbol: typed.Symbol, item: ast.Define, ctx: Context) -> None:
     """Check the body of a definition that may never be called, and its defaults: nothing is given for its parameters."""
     inner = _inside(x, symbol, {}, item.span, ctx)
     for one in item.parameters:

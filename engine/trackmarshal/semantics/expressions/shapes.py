@@ -59,7 +59,7 @@ def shape_named(x: Expressions, name: str, at: Span, scope: Scope) -> typed.Shap
     unknown = scope.unknown(name, at, "shape", "")
     if unknown.modules:
         x.fail(unknown)
-    shapes = [n for n in scope.names() if (s := scope.find(n)) is not None and isinstance(s.item, ast.Shape)]
+    shapes = scope.names_of(ast.Shape)
     kinds = f"{', '.join(SHAPES)}, {', '.join(SIGNALS)}, or the name of a `shape`"
     x.fail(
         UnknownUnit(at, "unit or shape", name, close_matches(name, shapes) or unit_hint(name, name, kinds))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import TypeAlias, assert_never
 
 from trackmarshal import typed
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import NUMBER, name, quantity
+from trackmarshal.units import NUMBER, name, quantity, to_si
 
 
 class Poison(Exception):
@@ -170,6 +172,17 @@ def on_open_line(line: typed.Line | typed.Area) -> bool:
             return False
         case _:
             assert_never(line)
+
+
+@lru_cache(maxsize=4096)
+def in_si(text: str, unit: str) -> tuple[float, str]:
+    """Digits in a unit in SI, and why they have no value that a double can hold; empty where they have one."""
+    value = to_si(float(text), unit)
+    if not math.isfinite(value):
+        return value, "this number is too large for a double (about 1.8e308 in SI units)"
+    if value == 0.0 and any(digit in "123456789" for digit in text.lower().partition("e")[0]):
+        return value, "this number is too small for a double: it would become 0"
+    return value, ""
 
 
 def common(*values: typed.Number) -> str:
