@@ -34,7 +34,7 @@ from trackmarshal.semantics.errors.names import Duplicate, UnknownReference
 from trackmarshal.semantics.expressions.calls import built_in_names
 from trackmarshal.semantics.expressions.checking import Context, Expressions, any_timeline
 from trackmarshal.semantics.modules import Library
-from trackmarshal.semantics.rules import RuleBuilder
+from trackmarshal.semantics.rules.building import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope
 from trackmarshal.semantics.warnings.vacuity import NeverAsked
 from trackmarshal.source import NOWHERE, Span

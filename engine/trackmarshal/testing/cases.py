@@ -24,7 +24,7 @@ from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
 from trackmarshal.semantics.expressions.checking import Context
 from trackmarshal.semantics.expressions.dimensions import decimal_comma, unit_hint
-from trackmarshal.semantics.expressions.values import Poison
+from trackmarshal.semantics.values import Poison
 from trackmarshal.semantics.warnings.numbers import BareAngle
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast

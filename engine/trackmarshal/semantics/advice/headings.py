@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from trackmarshal import typed
 from trackmarshal.semantics.advice.units import GIVE_ON, reads
-from trackmarshal.semantics.expressions.values import behind, on_open_line
+from trackmarshal.semantics.values import behind, on_open_line
 from trackmarshal.semantics.warnings.numbers import LapsOver, TurnsOver
 from trackmarshal.source import Span
 from trackmarshal.units import NUMBER

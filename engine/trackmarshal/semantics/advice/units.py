@@ -12,7 +12,7 @@ from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.semantics.errors.expressions import WrongDimension
-from trackmarshal.semantics.expressions.values import behind
+from trackmarshal.semantics.values import behind
 from trackmarshal.semantics.warnings.numbers import BareAngle, BarePercentage, ExactlyEqual, NoShare
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast

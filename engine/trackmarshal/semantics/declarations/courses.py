@@ -1,29 +1,23 @@
-"""Courses: timelines of what was driven and what is planned, and where along a timeline rules are judged."""
+"""Courses: timelines of what was driven and what is planned."""
 
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, NoReturn, get_args
+from typing import TYPE_CHECKING, NoReturn
 
 from trackmarshal import typed
-from trackmarshal.diagnostics.base import close_matches
-from trackmarshal.ir.nodes import JudgedAt
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import COURSE, CourseInfo, FieldType, SignalType
 from trackmarshal.semantics.errors.declarations import CourseProblem, SignalConflict
-from trackmarshal.semantics.errors.rules import JudgedNowhere
 from trackmarshal.semantics.expressions.temporal import bound
-from trackmarshal.semantics.expressions.values import spoken
 from trackmarshal.semantics.overrun import LONGEST
+from trackmarshal.semantics.values import spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, in_full, parse_unit
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions.checking import Context, Expressions
-
-#: The words for where a rule is judged.
-_PLACES: tuple[JudgedAt, ...] = get_args(JudgedAt)
 
 
 def check_course(item: ast.Course, x: Expressions, ctx: Context) -> None:
@@ -89,12 +83,22 @@ def _trajectory(name: ast.Name, x: Expressions, ctx: Context) -> SignalType:
             "what is planned is a `trajectory`, such as `plan`",
         )
     signal = value.signal
-    field = signal.field("t")
-    if field is None or field.kind != "number" or not field.increasing or parse_unit(field.unit)[2] != TIME:
+    if not has_time(signal):
         _fail(
             x, name.span, f"`{name.name}` does not say when its samples are due", "declare `t: s increasing`"
         )
     return signal
+
+
+def has_time(signal: SignalType) -> bool:
+    """Whether a timeline has a column of times that the input contract holds to increase."""
+    field = signal.field("t")
+    return (
+        field is not None
+        and field.kind == "number"
+        and field.increasing
+        and parse_unit(field.unit)[2] == TIME
+    )
 
 
 def _agrees(field: FieldType, other: FieldType | None) -> bool:
@@ -108,26 +112,6 @@ def _agrees(field: FieldType, other: FieldType | None) -> bool:
 
 def _listed(signal: SignalType) -> str:
     return ", ".join(field.name for field in signal.fields_)
-
-
-def judged_at(clause: ast.Along, signal: SignalType, x: Expressions) -> JudgedAt:
-    """At which sample of its timeline a rule is judged."""
-    course = signal.kind == COURSE
-    if clause.at is None:
-        return "now" if course else "first"
-    word = next((word for word in _PLACES if word == clause.at.name), None)
-    if word is None:
-        hint = close_matches(clause.at.name, _PLACES) or f"write {', '.join(_PLACES[:-1])} or {_PLACES[-1]}"
-        x.fail(JudgedNowhere(clause.at.span, f"no rule is judged at `{clause.at.name}`", hint))
-    if word == "now" and not course:
-        hint = "judge it at the first sample, which needs no word, or declare a `course`"
-        x.fail(JudgedNowhere(clause.at.span, f"no sample of `{signal.name}` is the one that is now", hint))
-    if word == "first" and course:
-        hint = "judge it at the sample that is now, which needs no word, or at the last one"
-        x.fail(
-            JudgedNowhere(clause.at.span, f"where `{signal.name}` begins is moving on with every cycle", hint)
-        )
-    return word
 
 
 def _fail(x: Expressions, span: Span, problem: str, hint: str) -> NoReturn:

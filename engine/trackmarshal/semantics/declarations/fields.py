@@ -11,8 +11,8 @@ from trackmarshal.semantics.declarations.enums import declared
 from trackmarshal.semantics.declarations.ranges import finite, inside, limits, outside
 from trackmarshal.semantics.errors.expressions import BadValue, WrongKind
 from trackmarshal.semantics.expressions.members import unknown
-from trackmarshal.semantics.expressions.values import Poison
 from trackmarshal.semantics.scope import Scope, spoken
+from trackmarshal.semantics.values import Poison
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit
 from trackmarshal.syntax.errors import UnknownUnit

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.semantics.declarations.ranges import finite
 from trackmarshal.semantics.errors.declarations import LifetimeProblem
-from trackmarshal.semantics.expressions.values import Poison
 from trackmarshal.semantics.overrun import LONGEST
+from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 

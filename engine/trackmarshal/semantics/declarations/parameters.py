@@ -16,7 +16,7 @@ from trackmarshal.semantics.declarations.ranges import inside, limits, outside
 from trackmarshal.semantics.declarations.records import check_field, record_params
 from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension
 from trackmarshal.semantics.expressions.dimensions import unit_hint
-from trackmarshal.semantics.expressions.values import Poison
+from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, in_full, name, parse_unit, quantity

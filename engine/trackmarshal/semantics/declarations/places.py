@@ -12,7 +12,7 @@ from trackmarshal.semantics.declarations.ranges import finite
 from trackmarshal.semantics.errors.declarations import BackwardStretch, BadPlace
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.expressions.places import ends
-from trackmarshal.semantics.expressions.values import on_open_line
+from trackmarshal.semantics.values import on_open_line
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import in_full

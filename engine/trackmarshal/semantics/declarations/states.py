@@ -13,8 +13,8 @@ from trackmarshal.semantics.errors.expressions import BadValue, OverRunProblem
 from trackmarshal.semantics.errors.names import Duplicate
 from trackmarshal.semantics.expressions.machines import bridged, no_such_state, sources, written_out
 from trackmarshal.semantics.expressions.quantifiers import axis
-from trackmarshal.semantics.expressions.values import Broken, Local, Poison
 from trackmarshal.semantics.overrun import misused
+from trackmarshal.semantics.values import Broken, Local, Poison
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol

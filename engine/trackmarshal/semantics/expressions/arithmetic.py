@@ -9,7 +9,7 @@ from trackmarshal.ir.operators import ARITHMETIC, known
 from trackmarshal.semantics.advice.headings import between
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.expressions.dimensions import same
-from trackmarshal.semantics.expressions.values import Poison, common, product
+from trackmarshal.semantics.values import Poison, common, product
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, in_full, over, quantity, times
 from trackmarshal.units import power as raised

@@ -16,8 +16,8 @@ from trackmarshal.semantics.expressions.definitions import expand
 from trackmarshal.semantics.expressions.dimensions import decimal_comma, same, unit_hint
 from trackmarshal.semantics.expressions.geometry import geometric
 from trackmarshal.semantics.expressions.temporal import count
-from trackmarshal.semantics.expressions.values import Poison, common, number_spoken, span_of, written_unit
 from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.values import Poison, common, number_spoken, span_of, written_unit
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension, parse_unit, power, quantity

@@ -24,8 +24,8 @@ from trackmarshal.semantics.expressions import (
     temporal,
 )
 from trackmarshal.semantics.expressions.sharing import Shared
-from trackmarshal.semantics.expressions.values import Local, Poison, in_si, own_unit, spoken
 from trackmarshal.semantics.scope import Scope
+from trackmarshal.semantics.values import Local, Poison, in_si, own_unit, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import Dimension, parse_unit

@@ -11,7 +11,7 @@ from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.semantics.expressions.geometry import area, line
 from trackmarshal.semantics.expressions.shapes import is_shape, lacking, one_of, shape_named
 from trackmarshal.semantics.expressions.sharing import Made, Place
-from trackmarshal.semantics.expressions.values import Local, Poison, circle, own_unit, span_of, spoken
+from trackmarshal.semantics.values import Local, Poison, circle, own_unit, span_of, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import parse_unit, quantity

@@ -12,7 +12,7 @@ from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension, 
 from trackmarshal.semantics.errors.names import UnknownName
 from trackmarshal.semantics.expressions import members
 from trackmarshal.semantics.expressions.dimensions import same
-from trackmarshal.semantics.expressions.values import Poison, spoken
+from trackmarshal.semantics.values import Poison, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.notation import ASKED

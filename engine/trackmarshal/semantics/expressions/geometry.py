@@ -10,7 +10,7 @@ from trackmarshal.ir.operators import known
 from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
 from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.semantics.expressions.shapes import SHAPES, Kind, lacking, shaped
-from trackmarshal.semantics.expressions.values import number_spoken, same_record, sample_of, span_of, spoken
+from trackmarshal.semantics.values import number_spoken, same_record, sample_of, span_of, spoken
 from trackmarshal.source import Span
 from trackmarshal.units import LENGTH, NUMBER, Dimension, over, parse_unit, quantity
 

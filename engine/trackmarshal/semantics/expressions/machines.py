@@ -18,10 +18,10 @@ from trackmarshal.semantics.errors.names import Duplicate, UnknownField, Unknown
 from trackmarshal.semantics.expressions.definitions import count_definitions
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.expressions.temporal import bound
-from trackmarshal.semantics.expressions.values import Local, Poison, circle, record_behind
-from trackmarshal.semantics.expressions.values import spoken as value_spoken
 from trackmarshal.semantics.overrun import LONGEST
 from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.values import Local, Poison, circle, record_behind
+from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol

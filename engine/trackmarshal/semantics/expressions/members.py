@@ -11,7 +11,7 @@ from trackmarshal.semantics.errors.expressions import CaseProblem, WrongKind
 from trackmarshal.semantics.errors.names import Hides, UnknownMember
 from trackmarshal.semantics.expressions import machines
 from trackmarshal.semantics.expressions.dimensions import same
-from trackmarshal.semantics.expressions.values import common, spoken
+from trackmarshal.semantics.values import common, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 

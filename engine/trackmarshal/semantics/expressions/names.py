@@ -14,7 +14,7 @@ from trackmarshal.semantics.expressions.definitions import expand
 from trackmarshal.semantics.expressions.formulas import NUMBERED
 from trackmarshal.semantics.expressions.geometry import is_lane
 from trackmarshal.semantics.expressions.quantifiers import refuse_course
-from trackmarshal.semantics.expressions.values import (
+from trackmarshal.semantics.values import (
     Broken,
     Poison,
     own_unit,

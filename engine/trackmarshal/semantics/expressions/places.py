@@ -10,9 +10,9 @@ from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
 from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.semantics.expressions.geometry import line
 from trackmarshal.semantics.expressions.shapes import SHAPES, shaped
-from trackmarshal.semantics.expressions.values import Poison
-from trackmarshal.semantics.expressions.values import spoken as value_spoken
 from trackmarshal.semantics.scope import spoken
+from trackmarshal.semantics.values import Poison
+from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import LENGTH, quantity

@@ -14,7 +14,7 @@ from trackmarshal.semantics.errors.declarations import CourseProblem
 from trackmarshal.semantics.errors.expressions import BadValue, WrongKind
 from trackmarshal.semantics.errors.names import Duplicate, UnknownReference
 from trackmarshal.semantics.expressions.dimensions import same
-from trackmarshal.semantics.expressions.values import Broken, Local, Poison, common, span_of, spoken
+from trackmarshal.semantics.values import Broken, Local, Poison, common, span_of, spoken
 from trackmarshal.semantics.warnings.vacuity import UnusedVariable
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast

@@ -9,9 +9,9 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.errors.declarations import ShapeProblem
 from trackmarshal.semantics.errors.expressions import WrongKind
-from trackmarshal.semantics.expressions.values import Poison, circle
-from trackmarshal.semantics.expressions.values import spoken as value_spoken
 from trackmarshal.semantics.scope import Scope, spoken
+from trackmarshal.semantics.values import Poison, circle
+from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.syntax.build import is_unit
