@@ -13,11 +13,11 @@ from trackmarshal.semantics.errors.expressions import WrongArity, WrongDimension
 from trackmarshal.semantics.errors.names import UnknownReference
 from trackmarshal.semantics.expressions.arguments import counted, given, in_order
 from trackmarshal.semantics.expressions.definitions import expand
-from trackmarshal.semantics.expressions.dimensions import decimal_comma, same, unit_hint
+from trackmarshal.semantics.expressions.dimensions import decimal_comma, of_dimension, same
 from trackmarshal.semantics.expressions.geometry import geometric
 from trackmarshal.semantics.expressions.temporal import count
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.values import Poison, common, number_spoken, span_of, written_unit
+from trackmarshal.semantics.values import Poison, common, written_unit
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension, parse_unit, power, quantity
@@ -173,22 +173,16 @@ def _dimension(
 def _table(
     x: Expressions, symbol: typed.Symbol, item: ast.Table, values: list[typed.Value], span: Span
 ) -> typed.Number:
-    result = parse_unit(item.result)[2]
     units = [item.unit] if item.second is None else [item.unit, item.second.unit]
     names = [""] if item.second is None else [f" `{item.argument}`", f" `{item.second.name}`"]
     numbers: list[typed.Number] = []
-    for value, argument_unit, called_ in zip(values, units, names, strict=True):
-        argument = parse_unit(argument_unit)[2]
-        what, declared = f"the argument{called_} of `{item.name}`", item.span.head.word(argument_unit)
-        if not isinstance(value, typed.NumberNode) or value.dimension != argument:
-            hint = unit_hint(value, argument, argument_unit) if isinstance(value, typed.NumberNode) else ""
-            x.fail(
-                WrongDimension(span_of(value), declared, what, quantity(argument), number_spoken(value), hint)
-            )
-        x.advise(x.advice.in_unit(value, argument_unit, what, declared))
-        numbers.append(value)
-    unit = written_unit((cell for row in item.rows for cell in row[1:]), item.result)
-    return typed.TableValue(result, unit, symbol, tuple(numbers), span)
+    for value, unit, called_ in zip(values, units, names, strict=True):
+        what, declared = f"the argument{called_} of `{item.name}`", item.span.head.word(unit)
+        number = of_dimension(x, value, parse_unit(unit)[2], what, declared, unit)
+        x.advise(x.advice.in_unit(number, unit, what, declared))
+        numbers.append(number)
+    written = written_unit((cell for row in item.rows for cell in row[1:]), item.result)
+    return typed.TableValue(parse_unit(item.result)[2], written, symbol, tuple(numbers), span)
 
 
 def _special(

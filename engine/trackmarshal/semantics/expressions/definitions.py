@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.semantics.errors.expressions import Recursive, TooLarge, WrongDimension, WrongKind
-from trackmarshal.semantics.expressions.dimensions import unit_hint
+from trackmarshal.semantics.expressions.dimensions import of_dimension
 from trackmarshal.semantics.expressions.geometry import area, line
 from trackmarshal.semantics.expressions.shapes import is_shape, lacking, one_of, shape_named
 from trackmarshal.semantics.expressions.sharing import Made, Place
@@ -177,19 +177,8 @@ def _argument(
         return typed.NamedArea(name, area(x, value, span), span)
     if not isinstance(value, typed.NumberNode):
         x.fail(WrongKind(span, f"a number for `{name}`", spoken(value)))
-    wanted = parse_unit(kind)[2]
-    if value.dimension != wanted:
-        what = f"argument `{name}`"
-        x.fail(
-            WrongDimension(
-                span,
-                parameter.span,
-                what,
-                quantity(wanted),
-                quantity(value.dimension),
-                unit_hint(value, wanted, kind),
-            )
-        )
-    x.advise(x.advice.in_unit(value, kind, f"argument `{name}`", parameter.span))
+    what = f"argument `{name}`"
+    of_dimension(x, value, parse_unit(kind)[2], what, parameter.span, kind)
+    x.advise(x.advice.in_unit(value, kind, what, parameter.span))
     assert isinstance(kept, typed.NumberNode)
     return typed.NamedNumber(value.dimension, value.written, name, kept, kind, span)

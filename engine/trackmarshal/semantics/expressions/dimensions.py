@@ -8,7 +8,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from trackmarshal import typed
-from trackmarshal.semantics.errors.expressions import DimensionMismatch
+from trackmarshal.semantics.errors.expressions import DimensionMismatch, WrongDimension
+from trackmarshal.semantics.values import number_spoken, span_of
 from trackmarshal.source import Span
 from trackmarshal.syntax.build import is_unit
 from trackmarshal.units import NUMBER, SPEED, Dimension, name, over, parse_unit, power, quantity, show
@@ -49,6 +50,16 @@ def same(x: Expressions, action: str, left: typed.Number, right: typed.Number) -
             tuple(thing for thing in things if thing),
         )
     )
+
+
+def of_dimension(
+    x: Expressions, value: typed.Value, wanted: Dimension, what: str, declared: Span | None = None, unit: str = ""
+) -> typed.Number:  # fmt: skip
+    """A value that is a number of this dimension; fails for any other. declared: where that is said, and in which unit."""
+    if isinstance(value, typed.NumberNode) and value.dimension == wanted:
+        return value
+    hint = unit_hint(value, wanted, unit) if isinstance(value, typed.NumberNode) else ""
+    x.fail(WrongDimension(span_of(value), declared, what, quantity(wanted), number_spoken(value), hint))
 
 
 def _declared(number: typed.Number, own: str, other: str) -> tuple[str, Span, str, str] | None:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir.operators import known
-from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
-from trackmarshal.semantics.expressions.dimensions import unit_hint
+from trackmarshal.semantics.errors.expressions import WrongKind
+from trackmarshal.semantics.expressions.dimensions import of_dimension
 from trackmarshal.semantics.expressions.shapes import SHAPES, Kind, lacking, shaped
-from trackmarshal.semantics.values import number_spoken, same_record, sample_of, span_of, spoken
+from trackmarshal.semantics.values import same_record, sample_of, spoken
 from trackmarshal.source import Span
-from trackmarshal.units import LENGTH, NUMBER, Dimension, over, parse_unit, quantity
+from trackmarshal.units import LENGTH, NUMBER, Dimension, over, parse_unit
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions.checking import Expressions
@@ -160,11 +160,4 @@ def _check_curved(x: Expressions, sample: typed.Record, span: Span) -> None:
 
 
 def _length(x: Expressions, value: typed.Value) -> typed.Number:
-    if not isinstance(value, typed.NumberNode) or value.dimension != LENGTH:
-        hint = unit_hint(value, LENGTH) if isinstance(value, typed.NumberNode) else ""
-        x.fail(
-            WrongDimension(
-                span_of(value), None, "this argument", quantity(LENGTH), number_spoken(value), hint
-            )
-        )
-    return value
+    return of_dimension(x, value, LENGTH, "this argument")

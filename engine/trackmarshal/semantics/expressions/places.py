@@ -6,16 +6,15 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from trackmarshal import typed
-from trackmarshal.semantics.errors.expressions import WrongDimension, WrongKind
-from trackmarshal.semantics.expressions.dimensions import unit_hint
+from trackmarshal.semantics.errors.expressions import WrongKind
+from trackmarshal.semantics.expressions.dimensions import of_dimension
 from trackmarshal.semantics.expressions.geometry import line
 from trackmarshal.semantics.expressions.shapes import SHAPES, shaped
 from trackmarshal.semantics.scope import spoken
-from trackmarshal.semantics.values import Poison
-from trackmarshal.semantics.values import spoken as value_spoken
+from trackmarshal.semantics.values import Poison, number_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
-from trackmarshal.units import LENGTH, quantity
+from trackmarshal.units import LENGTH
 
 if TYPE_CHECKING:
     from trackmarshal.semantics.expressions.checking import Context, Expressions
@@ -63,11 +62,7 @@ def ends(expr: ast.Stretch | ast.BetweenStations, x: Expressions, ctx: Context) 
 
 
 def _station(expr: ast.Expr, what: str, x: Expressions, ctx: Context) -> typed.Number:
-    number = x.number(expr, ctx)
-    if number.dimension != LENGTH:
-        told, hint = f"the station at which a stretch {what}", unit_hint(number, LENGTH)
-        x.fail(WrongDimension(number.span, None, told, quantity(LENGTH), quantity(number.dimension), hint))
-    return number
+    return of_dimension(x, x.number(expr, ctx), LENGTH, f"the station at which a stretch {what}")
 
 
 def _place(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Record | typed.Number:
@@ -77,6 +72,5 @@ def _place(expr: ast.Expr, x: Expressions, ctx: Context) -> typed.Record | typed
         return value
     if isinstance(value, typed.RecordNode):
         return shaped(x, value, "point", ast.span_of(expr))
-    found = quantity(value.dimension) if isinstance(value, typed.NumberNode) else value_spoken(value)
     wanted = f"a station, or something with {', '.join(SHAPES['point'])}"
-    x.fail(WrongKind(ast.span_of(expr), wanted, found))
+    x.fail(WrongKind(ast.span_of(expr), wanted, number_spoken(value)))
