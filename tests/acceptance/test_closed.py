@@ -34,7 +34,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
         OPERATORS,
         [('ConnectiveOp = Literal["and", ', 'ConnectiveOp = Literal["nand", "and", ')],
         {
-            "runtime/kleene.py", "backends/numpy/code.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/functions/expressions.py", "backends/over_run/hoping.py",
+            "runtime/kleene.py", "backends/numpy/formulas.py", "backends/numpy/whole/ahead.py", "backends/numpy/whole/values.py", "backends/c/functions/expressions.py", "backends/over_run/hoping.py",
             "backends/witness.py", "explaining/trail.py", "semantics/advice/starting.py",
         },
     ),
@@ -56,7 +56,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ("    Truth | Flag | Compare", "    Sorcery | Truth | Flag | Compare"),
         ],
         {
-            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
+            "backends/reference/evaluator.py", "backends/numpy/formulas.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
             "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/advice/bounds.py",
             "testing/moving.py",
         },

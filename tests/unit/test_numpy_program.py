@@ -130,8 +130,8 @@ def test_a_closed_track_with_borders_of_unequally_many_points(spec: Spec) -> Non
 def test_what_no_case_changes_is_computed_before(spec: Spec) -> None:
     program = NumpyProgram(spec, spec.rules)
     cases = read(spec, [case([1.0, 2.0])])
-    assert "b.param('made.limit')" in "".join(program.code.fixed)
-    assert not any("b.param" in line for line in program.code.varying)
+    assert "b.param('made.limit')" in "".join(program.code.writing.fixed)
+    assert not any("b.param" in line for line in program.code.writing.varying)
     codes, margins = program.run(cases).verdicts
     assert (VERDICTS[codes[0, 0]], margins[0, 0]) == ("satisfied", 2.0)
 

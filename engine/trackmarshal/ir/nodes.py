@@ -7,7 +7,7 @@ compute alike is computed once. `Num` and `Formula` are closed unions: an evalua
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
 from weakref import WeakKeyDictionary
@@ -618,6 +618,22 @@ def walked(root: AnyNode) -> Iterator[AnyNode]:
             seen.add(node)
             yield node
             stack.extend(child for child in node.children() if isinstance(child, IR))  # type: ignore[misc]
+
+
+def ordered(roots: Iterable[Num | Formula]) -> list[Num | Formula]:
+    """All numbers and formulas below roots, children first; iterative, so depth is no limit."""
+    done: dict[Num | Formula, None] = {}
+    stack = [(root, False) for root in reversed(list(roots))]
+    while stack:
+        node, ready = stack.pop()
+        if node in done:
+            continue
+        if ready:
+            done[node] = None
+        else:
+            stack.append((node, True))
+            stack.extend((child, False) for child in reversed(operands(node)))
+    return list(done)
 
 
 class Interner:

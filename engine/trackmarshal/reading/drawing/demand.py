@@ -8,7 +8,6 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.numpy.code import ordered
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.backends.over_run.program import remembers
@@ -50,7 +49,7 @@ class Demand:
         found: list[Quantity] = quantities(rule.typed, self.lowering)
         found += [self._param(name) for name in params]
         # A number is another node wherever a condition stands in it, as messages about that have another place.
-        nodes = ordered([*(one.node for one in found), self.body])
+        nodes = ir.ordered([*(one.node for one in found), self.body])
         alike = representatives(nodes)
         inputs = {alike[one.node]: one for one in reversed(found)}
         self.quantities = [one for one in found if inputs[alike[one.node]] is one]
