@@ -1,15 +1,15 @@
 """The nodes of the IR. Numbers are floats in SI units; formulas have a truth and a margin.
 
-Nodes are compared by identity: the `Interner` makes equal numeric nodes one node, so that whatever two rules
+Nodes are compared by identity: the interner makes equal numeric nodes one node (`interning`), so that whatever two rules
 compute alike is computed once. `Num` and `Formula` are closed unions: an evaluator's `match` over one ends in
 `assert_never`, so that mypy names whoever forgets a node, and at run time any other raises AssertionError.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
-from typing import Any, ClassVar, Literal, NamedTuple, ParamSpec, TypeAlias, TypeVar, cast
+from typing import ClassVar, Literal, NamedTuple, TypeAlias
 from weakref import WeakKeyDictionary
 
 from trackmarshal.ir.operators import (
@@ -586,9 +586,6 @@ _SUBJECTS = (Axis, Line, Area, Machine)
 #: Where along a timeline a rule is judged.
 JudgedAt: TypeAlias = Literal["first", "last", "now"]
 
-T = TypeVar("T")
-Parts = ParamSpec("Parts")
-
 
 def operands(node: IR) -> list[Num | Formula]:
     """The numbers and formulas directly in a node, in order."""
@@ -634,40 +631,3 @@ def ordered(roots: Iterable[Num | Formula]) -> list[Num | Formula]:
             stack.append((node, True))
             stack.extend((child, False) for child in reversed(operands(node)))
     return list(done)
-
-
-class Interner:
-    """Makes nodes; numeric nodes and axes with equal parts are the same node."""
-
-    def __init__(self) -> None:
-        self._known: dict[tuple[Any, ...], IR] = {}
-        self._depths: dict[Num | Formula, int] = {}
-
-    def make(self, kind: Callable[Parts, T], *parts: Parts.args, **named: Parts.kwargs) -> T:
-        """A node of a class, with all of its fields: in order, or by name."""
-        whole: tuple[Any, ...] = parts
-        if named:
-            rest = cast("type[IR]", kind).fields[len(parts) :]
-            if len(rest) != len(named):
-                raise AssertionError(f"{rest} are to be given, not {[*named]}")
-            whole = (*parts, *(named[name] for name in rest))
-        # repr tells -0.0 from 0.0 and joins equal NaNs; children are interned, so identity is equality.
-        key = (kind, *[repr(part) if type(part) is float else part for part in whole])
-        known = self._known.get(key)
-        if known is None:
-            known = self._known[key] = cast("type[IR]", kind)(*whole)
-        return known  # type: ignore[return-value]
-
-    def depth(self, root: Num | Formula) -> int:
-        """How many nodes stand in each other; iterative, since that is what may be too much."""
-        depths = self._depths
-        stack = [(root, operands(root))]
-        while stack:
-            node, parts = stack[-1]
-            waiting = [(part, operands(part)) for part in parts if part not in depths]
-            if waiting:
-                stack += waiting
-            else:
-                depths[node] = 1 + max((depths[part] for part in parts), default=0)
-                stack.pop()
-        return depths[root]

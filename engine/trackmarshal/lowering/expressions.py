@@ -11,6 +11,7 @@ from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.operators import FUNCTIONS, ComparisonOp
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import Called
@@ -30,7 +31,7 @@ _FIXED = (ir.Const, ir.Param, ir.Arith, ir.Neg, ir.Func)
 class Lowering:
     """Makes core nodes of typed ones. `site` is the call in a rule's own file, inside a definition: there, messages point to it."""
 
-    def __init__(self, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> None:
+    def __init__(self, interner: Interner, scales: Mapping[str, float] | None = None) -> None:
         """scales: by SI unit, what margins are divided by before they are compared; None: by nothing."""
         self.make = interner.make
         self._scales = scales or {}

@@ -7,6 +7,7 @@ from typing import assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import Called
 from trackmarshal.lowering.expressions import Lowering
@@ -47,7 +48,7 @@ class Lowered(Node):
     names: tuple[Called, ...] = ()
 
 
-def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, float] | None = None) -> Lowered:
+def lower_rule(rule: typed.Rule, interner: Interner, scales: Mapping[str, float] | None = None) -> Lowered:
     """The core of a rule; scales: by SI unit, what its margins are divided by before they are compared."""
     lowering = Lowering(interner, scales)
     levels, body = clauses(rule, lowering)
@@ -59,7 +60,7 @@ def lower_rule(rule: typed.Rule, interner: ir.Interner, scales: Mapping[str, flo
 
 def levels_of(rule: typed.Rule) -> list[Level]:
     """The clauses that a rule's condition stands under, as written, each with its core: for whoever tells where the rule applies."""
-    return clauses(rule, Lowering(ir.Interner()))[0]
+    return clauses(rule, Lowering(Interner()))[0]
 
 
 def clauses(rule: typed.Rule, lowering: Lowering) -> tuple[list[Level], ir.Formula]:

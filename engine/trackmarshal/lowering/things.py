@@ -7,6 +7,7 @@ from typing import Literal, assert_never
 
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 
@@ -24,7 +25,7 @@ class Swept(Node):
 class Things:
     """Lowers everything but numbers and formulas; `number` lowers the numbers in them."""
 
-    def __init__(self, interner: ir.Interner) -> None:
+    def __init__(self, interner: Interner) -> None:
         self.make = interner.make
 
     def axis(self, range_: typed.Range) -> ir.Axis:

@@ -11,7 +11,7 @@ from typing import TypeVar
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic, Diagnostics, close_matches
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.spec import ConstraintInfo, PlaceInfo, RuleInfo, SignalType, Spec, TableInfo
 from trackmarshal.node import Node
 from trackmarshal.semantics.advice.bounds import Bounds
@@ -56,7 +56,7 @@ class Compiled(Node):
     found: tuple[Diagnostic, ...]
     failures: tuple[TrackmarshalError, ...]
     #: What made the numbers of its rules.
-    interner: ir.Interner
+    interner: Interner
 
     @property
     def errors(self) -> list[Diagnostic]:
@@ -108,7 +108,7 @@ class _Compiler:
         self.places: dict[str, PlaceInfo] = {}
         self.constraints: list[ConstraintInfo] = []
         # Rules that are taken from there share their numbers with those that are made here.
-        self.interner = ir.Interner() if before is None else before.interner
+        self.interner = Interner() if before is None else before.interner
         self.x = Expressions(self.signals, self.found)
         self.params = Parameters(self.x, self.interner)
         self.x.bounds = Bounds(self.signals, self.params.known, self.tables)

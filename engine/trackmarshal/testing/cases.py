@@ -14,6 +14,7 @@ from trackmarshal.diagnostics.base import Diagnostic, close_matches
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.margins import SCALED, margin_units, own_unit
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import UNKNOWN, Enumeration, FieldType, ParamInfo, RuleInfo, SignalType
@@ -105,7 +106,7 @@ class _Preparation:
         self._spec = compiled.spec
         self._scope = compiled.scopes[module]
         self._x = compiled.expressions
-        self._lowering = Lowering(ir.Interner())
+        self._lowering = Lowering(Interner())
         self._ctx = Context(self._scope, {}, 0, typed.THE_RUN, None, ())
         self._found = found
         self._kind: type[BadGiven | BadExpectation] = BadGiven

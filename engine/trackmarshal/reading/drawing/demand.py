@@ -13,6 +13,7 @@ from trackmarshal.backends.numpy.sharing import representatives
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -44,7 +45,7 @@ class Demand:
         if remembers(rule) or rule.course is not None:
             raise Undrawable("memory")
         self.rule, self.spec, self.added = rule, spec, tuple(params)
-        self.lowering = Lowering(ir.Interner(), dict(spec.scales) if rule.unit == SCALED else None)
+        self.lowering = Lowering(Interner(), dict(spec.scales) if rule.unit == SCALED else None)
         self.levels, self.body = clauses(rule.typed, self.lowering)
         found: list[Quantity] = quantities(rule.typed, self.lowering)
         found += [self._param(name) for name in params]

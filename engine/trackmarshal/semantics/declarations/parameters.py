@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NoReturn
 from trackmarshal import typed
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.constants import constant_value
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.spec import ConstraintInfo, ParamInfo
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.semantics.declarations.ranges import inside, limits, outside
@@ -33,7 +34,7 @@ _SETTLED = (
 class Parameters:
     """Those of all modules, by their qualified names, each as soon as its value is known."""
 
-    def __init__(self, x: Expressions, interner: ir.Interner) -> None:
+    def __init__(self, x: Expressions, interner: Interner) -> None:
         self.known: dict[str, ParamInfo] = {}
         self._x = x
         self._interner = interner
@@ -112,7 +113,7 @@ class Parameters:
         raise Poison
 
 
-def constraint(item: ast.Constrain, x: Expressions, ctx: Context, interner: ir.Interner) -> ConstraintInfo:
+def constraint(item: ast.Constrain, x: Expressions, ctx: Context, interner: Interner) -> ConstraintInfo:
     """What is to hold between parameters; fails for what depends on an input."""
     formula = Lowering(interner).formula(x.formula(item.condition, ctx))
     if not all(isinstance(node, _SETTLED) for node in ir.below(formula)):

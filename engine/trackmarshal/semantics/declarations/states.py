@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.overrun import over_run
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.semantics.advice.vacuity import never_taken
@@ -128,7 +129,7 @@ def _check_guards(item: ast.State, symbol: Symbol, x: Expressions, ctx: Context)
     x.found[before:] = [found for found in x.found[before:] if not found.code.startswith("W")]
     if isinstance(element, Broken):
         raise Poison
-    lowering = Lowering(ir.Interner())
+    lowering = Lowering(Interner())
     for one in transitions:
         guard = lowering.formula(one.guard)
         problem_ = misused(guard)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.description import describe
+from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.margins import MIXED, SCALED, margin_unit, measured_units
 from trackmarshal.ir.reads import reads
 from trackmarshal.ir.spec import ADVISORY, CourseInfo, RuleInfo
@@ -33,7 +34,7 @@ MOST_LEVELS = 300
 class RuleBuilder:
     """Turns one declaration into a RuleInfo; what is wrong goes to the expressions' diagnostics."""
 
-    def __init__(self, expressions: Expressions, ctx: Context, interner: ir.Interner) -> None:
+    def __init__(self, expressions: Expressions, ctx: Context, interner: Interner) -> None:
         self.x = expressions
         self.ctx = ctx
         self.interner = interner
