@@ -17,8 +17,8 @@ from unittest import mock
 import pytest
 
 from golden.trace.cases import PROJECT
-from trackmarshal import pytest_plugin
 from trackmarshal.junit import reading
+from trackmarshal.pytest_plugin.results import Results
 from trackmarshal.records.results_file import load
 from trackmarshal.records.tests import ExternalTest
 
@@ -261,7 +261,7 @@ def test_results_of_asserts_that_do_nothing_are_none(project: Path, monkeypatch:
 
 def test_what_a_worker_took_with_it_is_not_left_out(pytestconfig: pytest.Config, tmp_path: Path) -> None:
     """pytest-xdist tells it so of a test for which a worker ended while it was set up; what it verifies, nobody knows."""
-    results = pytest_plugin._Results(pytestconfig, tmp_path / "a.json")
+    results = Results(pytestconfig, tmp_path / "a.json")
     file, crashed = (
         "tests/test_door.py",
         "worker 'gw0' crashed while running 'tests/test_door.py::test_falls'",
