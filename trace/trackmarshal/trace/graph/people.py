@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from datetime import date
 
 from trackmarshal.trace.findings import Finding, error, warning
-from trackmarshal.trace.graph.building import version
+from trackmarshal.trace.graph.fingerprints import version
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.kinds import LINKS
 from trackmarshal.trace.graph.said import called

@@ -10,7 +10,7 @@ from pathlib import Path
 from trackmarshal.trace import files, sections
 from trackmarshal.trace.cells import Cell, Item
 from trackmarshal.trace.gates import falls_short
-from trackmarshal.trace.graph.building import fingerprint
+from trackmarshal.trace.graph.fingerprints import fingerprint
 from trackmarshal.trace.graph.graph import Graph, Key, Node
 from trackmarshal.trace.gsn.case import RESERVED, SUPPORTED, UNSUPPORTED, Evidence, worst
 from trackmarshal.trace.matrix import Matrix, Row

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from trackmarshal.trace.baseline.changes import changes
 from trackmarshal.trace.baseline.content import UNREVIEWED
-from trackmarshal.trace.graph.building import fingerprint
+from trackmarshal.trace.graph.fingerprints import fingerprint
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.graph.kinds import NODES
 from trackmarshal.trace.impact.resting import rank
