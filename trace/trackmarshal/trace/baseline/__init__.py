@@ -3,7 +3,9 @@
 It is a file beside the requirements, written by `accept` only, with who accepted each weakening and why. Additions need no acceptance.
 """
 
-from trackmarshal.trace.baseline.changes import Change, Tell, accepted, changes
+from trackmarshal.trace.baseline.accepting import accepted
+from trackmarshal.trace.baseline.change import Change
+from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.check import check
 from trackmarshal.trace.baseline.content import Content, carried, content, reported
 from trackmarshal.trace.baseline.file import DEFAULT, Acceptance, Baseline, accept, load, read

@@ -7,7 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Container, Iterable, Iterator, Mapping
 
 from trackmarshal.trace import sections
-from trackmarshal.trace.baseline.changes import Change, Tell, changes
+from trackmarshal.trace.baseline.change import Change
+from trackmarshal.trace.baseline.changes import Tell, changes
 from trackmarshal.trace.baseline.content import UNREVIEWED, Content, Entry
 from trackmarshal.trace.baseline.file import Baseline
 from trackmarshal.trace.findings import Finding, Place
