@@ -16,6 +16,7 @@ from trackmarshal.trace.exchange.content import FIELDS, MAX_BYTES, Document, Nam
 from trackmarshal.trace.exchange.links import check
 from trackmarshal.trace.exchange.refused import Refused
 from trackmarshal.trace.exchange.replaced import lost
+from trackmarshal.trace.exchange.reqif_file import reading, writing
 from trackmarshal.trace.findings import Finding
 
 #: Formats, and what names of their files end with.
@@ -26,7 +27,7 @@ def export(documents: Sequence[Document], format: str, project: str, created: da
     """The documents as a file of another tool; raises T352 for texts that the format has no place for, T359 without the package."""
     match format:
         case "reqif":
-            return reqif_file.write(documents, project, created, "")
+            return writing.write(documents, project, created, "")
         case "needs":
             return needs.write(documents, project, created)
         case "csv":
@@ -39,7 +40,7 @@ def read(data: bytes, format: str, shown: str, naming: Naming, found: list[Findi
     """The documents in a file of another tool; what does not fit, and what is not taken over, goes to `found`, files that cannot be used raise (T350 to T359)."""
     match format:
         case "reqif":
-            drafts = reqif_file.read(data, shown, found, naming)
+            drafts = reading.read(data, shown, found, naming)
             naming = reqif_file.named(naming)
         case "needs":
             drafts = needs.read(data, shown, found, naming)
