@@ -112,7 +112,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T233": ("not to be waived", "Only gaps can be waived. Loose ends, failures and unreadable files are mended."),
     "T234": ("a waiver approved by its owner", "Who answers for a gap cannot accept its residual risk as well: the approver is another role than the owner."),
     "T235": ("a waiver for longer than a year", "A waiver is for a while. After a year at the latest somebody looks at the gap again, and grants it anew or closes it."),
-    "T236": ("a blanket waiver", "The waiver is for everything: every requirement, every stage, every code or every subject. A waiver names the gaps that somebody has looked at; what opens later is not excused by it."),
+    "T236": ("a blanket waiver", "The waiver is for everything: every requirement, every stage, every code, every subject, or one method of every requirement (`*:review`). A waiver names the gaps that somebody has looked at; what opens later is not excused by it."),
     "T240": ("a recording is not there", "v-model.yaml declares a scenario whose recording does not exist."),
     "T241": ("a scenario was not run", "A scenario that was not run covers nothing."),
     "T242": ("a stale run", "The specs, or the recording, have changed since the scenario was run."),

@@ -68,14 +68,15 @@ def _blanket(waiver: Waiver, project: Project, spec: Spec) -> Iterator[Finding]:
     stages = {str(stage.id) for stage in project.stages}
     found: list[tuple[Placed, str]] = []
     for pattern in (*waiver.requirements, *waiver.subjects):
+        id_, _, method = pattern.rpartition(":")
         if not pattern.strip("*:"):
             found.append((pattern, f"`{pattern}`, which is everything"))
+        elif id_ and not id_.strip("*"):
+            found.append((pattern, f"`{pattern}`, which is {method} of every requirement"))
     if wild and not found and len(demanded) > 1 and all(_excused(r, wild) for r in demanded):
         found.append((wild[0], "every requirement of the project"))
     fitting = [pattern for pattern in waiver.subjects if "*" in pattern]
-    for kind, called, codes in _SUBJECTS:
-        names = [item.name for item in spec.by_name.values() if item.kind == kind]
-        names += [str(entry.id) for entry in project.entries if entry.kind == kind]
+    for called, codes, names in _subjects(project, spec, demanded):
         if (
             codes.intersection(waiver.codes)
             and len(names) > 1
@@ -90,6 +91,18 @@ def _blanket(waiver: Waiver, project: Project, spec: Spec) -> Iterator[Finding]:
         place, what = found[0]
         message = f"the waiver `{waiver.id}` is for {what}"
         yield error("T236", message, place.place, "name the gaps that somebody has looked at", str(waiver.id))
+
+
+def _subjects(
+    project: Project, spec: Spec, demanded: Sequence[Requirement]
+) -> Iterator[tuple[str, frozenset[str], list[str]]]:
+    """What there is of one kind: what it is called, the codes by which it may be the subject of a waiver, and how findings name it."""
+    for kind, called, codes in _SUBJECTS:
+        names = [item.name for item in spec.by_name.values() if item.kind == kind]
+        yield called, codes, [*names, *(str(entry.id) for entry in project.entries if entry.kind == kind)]
+    for word in dict.fromkeys(word for r in demanded for word in r.verification):
+        names = [f"{r.id}:{word}" for r in demanded if word in r.verification]
+        yield f"{word} that a requirement names", frozenset({"T255"}), names
 
 
 def _excused(requirement: Requirement, patterns: Sequence[str]) -> bool:
