@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from collections import Counter
@@ -124,6 +125,62 @@ def test_of_several_runs_in_one_situation_the_worst_is_drawn(warehouse: Path) ->
     svg = picture(html(loop(warehouse, [RUN, bad, {**RUN, "outcome": "drives_on"}])), "What became of the car")  # fmt: skip
     assert "P-1, hall, alone, 2.5 m/s: contact" in svg
     assert "drives on" not in re.sub(r"<text.*?</text>", "", svg)
+
+
+def reviewed(project: Path, path: str, sha256: str) -> None:
+    """As evidence whose contents somebody has reviewed."""
+    entry = f'  - {{path: {path}, title: Runs, stage: TST-1, requirements: [SYS-1], sha256: "{sha256}"}}\n'
+    file = project / "requirements" / "v-model.yaml"
+    text = file.read_text("utf-8")
+    before, found, after = text.partition("\nevidence:\n")
+    file.write_text(
+        f"{before}\nevidence:\n{entry}{after}" if found else f"{text}\nevidence:\n{entry}", "utf-8"
+    )
+
+
+def standing(page: Page) -> str:
+    """What is said of the results where they stand, before what they are, without tags."""
+    said = page.html.partition("Runs in a closed loop</h")[2].partition("What became of the car")[0]
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", "", said))
+
+
+def test_results_that_nobody_has_reviewed_are_said_to_be_such(warehouse: Path) -> None:
+    assert "Whether these results are stale is not known" in standing(html(loop(warehouse, [RUN])))
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_results_that_have_changed_since_their_review_are_stale(warehouse: Path, changed: bool) -> None:
+    """`trace` has them as changed; here they stood like any others."""
+    project = loop(warehouse, [RUN])
+    reviewed(project, "loop.json", hashlib.sha256((project / "loop.json").read_bytes()).hexdigest())
+    if changed:
+        again = (project / "loop.json").read_text("utf-8").replace("stopped", "drives_on")
+        (project / "loop.json").write_text(again, "utf-8")
+    said = standing(html(project))
+    assert ("stale: loop.json has changed since it was reviewed." in said) is changed
+    assert ("These results are those that were reviewed, by loop.json." in said) is not changed
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ("", "These results are those that were reviewed, by runs.md."),
+        ("page", "stale: runs.md has changed since it was reviewed."),
+        ("results", "stale: runs.md, which was reviewed, gives another hash of them"),
+    ],
+)
+def test_results_are_those_of_the_page_that_was_reviewed(warehouse: Path, change: str, expected: str) -> None:
+    project = loop(warehouse, [RUN])
+    held = hashlib.sha256((project / "loop.json").read_bytes()).hexdigest()
+    page = project / "runs.md"
+    page.write_text(f"SYS-1: the car came to rest.\n\n| `loop.json` | `{held}` |\n", "utf-8")
+    reviewed(project, "runs.md", hashlib.sha256(page.read_bytes()).hexdigest())
+    if change == "page":
+        page.write_text(page.read_text("utf-8") + "More.\n", "utf-8")
+    elif change == "results":
+        again = (project / "loop.json").read_text("utf-8").replace("stopped", "drives_on")
+        (project / "loop.json").write_text(again, "utf-8")
+    assert expected in standing(html(project))
 
 
 @pytest.mark.parametrize(

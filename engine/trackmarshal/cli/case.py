@@ -175,7 +175,10 @@ def _loop(matrix: Matrix, found: Assessment, root: Path) -> Loop | None:
     path = found.project.closed_loop
     if path is None:
         return None
-    return read(root, str(path), matrix.graph.nodes["document", str(path)].attributes["fingerprint"])
+    reviewed = dict.fromkeys(str(entry.path) for entry in found.project.evidence if entry.sha256)
+    return read(
+        root, str(path), matrix.graph.nodes["document", str(path)].attributes["fingerprint"], reviewed
+    )
 
 
 def _words(named: str | None, found: Assessment, root: Path) -> Mapping[str, str]:

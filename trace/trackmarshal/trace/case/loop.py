@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -15,6 +16,9 @@ from trackmarshal.files import read_regular
 FORMAT, VERSION = "trackmarshal-closed-loop", 1
 #: What became of a car, from best to worst, with the status that it looks like.
 OUTCOMES = {"drives_on": "covered", "resumed": "waived", "stopped": "covered", "off_road": "failed", "contact": "failed"}  # fmt: skip
+
+
+_SHA256 = re.compile(r"\b[0-9a-f]{64}\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,16 +43,19 @@ class LoopRun:
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """All runs of a campaign, in the order of the file. titles: by fault; it may lack some."""
+    """All runs of a campaign, in the order of the file. titles: by fault; it may lack some. pages: those of evidence that give a hash of the file, and
+    whether it is this one."""
 
     path: str
     sha256: str
     titles: Mapping[str, str]
     runs: tuple[LoopRun, ...]
+    pages: Mapping[str, bool]
 
 
-def read(root: Path, path: str, sha256: str) -> Loop:
-    """The results in a file of the project. Raises TrackmarshalError T437 where it holds something else."""
+def read(root: Path, path: str, sha256: str, reviewed: Iterable[str] = ()) -> Loop:
+    """The results in a file of the project. reviewed: evidence whose contents somebody has reviewed, which may be a page of these results. Raises
+    TrackmarshalError T437 where the file holds something else."""
     try:
         said = json.loads(read_regular(root / path))
     except (OSError, ValueError, RecursionError) as problem:
@@ -58,7 +65,17 @@ def read(root: Path, path: str, sha256: str) -> Loop:
     runs, titles = said.get("runs"), said.get("faults", {})
     if not isinstance(runs, list) or not isinstance(titles, dict):
         _refused(path, "`runs` is to be a list, and `faults` an object")
-    return Loop(path, sha256, {str(id_): str(title) for id_, title in titles.items()}, tuple(_run(path, n, run) for n, run in enumerate(runs, 1)))  # fmt: skip
+    pages = {page: sha256 in given for page in reviewed if (given := _hashes(root / page, path))}
+    return Loop(path, sha256, {str(id_): str(title) for id_, title in titles.items()}, tuple(_run(path, n, run) for n, run in enumerate(runs, 1)), pages)  # fmt: skip
+
+
+def _hashes(page: Path, path: str) -> set[str]:
+    """The hashes in lines of a page that name a file."""
+    try:
+        lines = read_regular(page).decode("utf-8", "replace").splitlines()
+    except (OSError, ValueError):
+        return set()
+    return {found for line in lines if path in line for found in _SHA256.findall(line)}
 
 
 def _run(path: str, number: int, said: Any) -> LoopRun:

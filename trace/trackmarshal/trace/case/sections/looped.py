@@ -7,7 +7,18 @@ from collections.abc import Iterator, Sequence
 
 from trackmarshal.trace.case.charts import Cell, Legend, grid
 from trackmarshal.trace.case.loop import OUTCOMES, Loop, LoopRun
-from trackmarshal.trace.case.model import TEXT_WIDTH, Block, Code, Figure, Fixed, Given, Line, Number, Part
+from trackmarshal.trace.case.model import (
+    TEXT_WIDTH,
+    Block,
+    Code,
+    Figure,
+    Fixed,
+    Given,
+    Line,
+    Number,
+    Part,
+    Status,
+)
 from trackmarshal.trace.case.writing import EMPTY, Writing, joined
 
 #: So many points wide are the names of faults.
@@ -22,6 +33,7 @@ def closed_loop(writing: Writing) -> Iterator[Block]:
         return
     key = ("document", loop.path)
     yield writing.paragraph("loop.made", file=writing.ref(key), sha=Code(loop.sha256))
+    yield _standing(writing, loop)
     inside = [run for run in loop.runs if not run.beyond]
     bad = [run for run in inside if OUTCOMES[run.outcome] == "failed"]
     yield writing.facts([
@@ -33,6 +45,21 @@ def closed_loop(writing: Writing) -> Iterator[Block]:
     by_fault = {fault: [run for run in loop.runs if run.fault == fault] for fault in faults}
     yield _chart(writing, loop, by_fault)
     yield _table(writing, loop, by_fault)
+
+
+def _standing(writing: Writing, loop: Loop) -> Block:
+    """Whether these are the results that somebody has reviewed, as evidence of their own or by pages that give their hash."""
+    reviewed = [entry.path for entry in writing.given.project.evidence if entry.sha256]
+    files = list(dict.fromkeys([*(path for path in reviewed if path == loop.path), *loop.pages]))
+    for file in files:
+        key = ("document", file)
+        if writing.graph.nodes[key].attributes["outcome"] == "changed":
+            return writing.paragraph("loop.changed", status=Status("stale"), file=writing.ref(key))
+        if not loop.pages.get(file, True):
+            return writing.paragraph("loop.other", status=Status("stale"), file=writing.ref(key))
+    if not files:
+        return writing.missing("loop.unreviewed")
+    return writing.paragraph("loop.reviewed", files=writing.refs([("document", file) for file in files]))
 
 
 def _chart(writing: Writing, loop: Loop, by_fault: dict[str, list[LoopRun]]) -> Part:
