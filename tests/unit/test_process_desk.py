@@ -802,7 +802,7 @@ def opened(c: C, path: Path, make: bool = False, writing: bool = False) -> tuple
     return region if found else None, (why.value or b"").decode()
 
 
-OTHER = "is for another spec, other rules, capacities or limits, or is none of ours"
+OTHER = "is for another spec, other rules, capacities or limits, of another engine, or is none of ours"
 
 
 def test_a_file_of_something_else_is_replaced_and_never_opened(c: C, tmp_path: Path) -> None:

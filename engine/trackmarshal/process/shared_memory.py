@@ -68,7 +68,7 @@ class Region:
         if os.fstat(file).st_size != size or begin != wanted:
             os.close(file)
             raise LinkError(
-                f"{path} is for another spec, other rules, capacities or limits, or is none of ours"
+                f"{path} is for another spec, other rules, capacities or limits, of another engine, or is none of ours"
             )
         if writing:
             try:

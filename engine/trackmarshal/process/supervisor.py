@@ -67,7 +67,11 @@ def _refuse_other(theirs: Layout, ours: Layout) -> None:
     if theirs.fingerprint == ours.fingerprint:
         return
     parts = ("rules", "limits", "params", "tables", "capacities", "program")
-    other = [part for part in parts if theirs.said[part] != ours.said[part]] or ["messages"]
+    other = [part for part in parts if theirs.said.get(part) != ours.said[part]]
+    if not other:
+        raise LinkError(
+            "the process was built by another version of trackmarshal: build it anew with this one"
+        )
     raise LinkError(f"the process has other {' and '.join(other)}: start it anew with those of this spec")
 
 

@@ -49,11 +49,15 @@ def header(
 
 
 def numbered(text: str, source: str, name: str) -> str:
-    """A header with its program's number (TM_PROGRAM): another one for all that is compiled otherwise, whatever the files are called, and wherever
-    the spec stands."""
-    own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b'
-    number = hashlib.sha256(re.sub(own, "", text + source, flags=re.DOTALL).encode()).hexdigest()[:8]
+    """A header with its program's number (TM_PROGRAM): another one for all that is compiled otherwise."""
+    number = hashlib.sha256(compiled(text + source, name).encode()).hexdigest()[:8]
     return text.replace("#define TM_PROGRAM 0x0ul\n", f"#define TM_PROGRAM 0x{number}ul\n")
+
+
+def compiled(text: str, name: str) -> str:
+    """What of a text is compiled, whatever the files are called, and wherever the spec stands."""
+    own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b'
+    return re.sub(own, "", text, flags=re.DOTALL)
 
 
 def _about(code: RuleCode) -> str:

@@ -32,11 +32,14 @@ def describe(
     params: Mapping[str, float],
     tables: Mapping[str, Any],
 ) -> dict[str, Any]:
-    """What JSON says. limits, params (SI) and tables (knots, values; SI) are those in force; `layout` is the fingerprint of the rest."""
+    """What JSON says but for what is known once all is written: `engine`, the hash of what is compiled, and `layout`, the fingerprint of the rest.
+
+    limits, params (SI) and tables (knots, values; SI) are those in force.
+    """
     spec = source.plan.spec
     assert source.supervised is not None
     assert source.supervised.contract.plan is not None
-    said: dict[str, Any] = {
+    return {
         "format": "trackmarshal-messages",
         "version": VERSION,
         "byte_order": "little",
@@ -69,9 +72,12 @@ def describe(
             "files": [_region(region) for region in regions(table)],
         },
     }  # fmt: skip
+
+
+def fingerprint(said: Mapping[str, Any]) -> str:
+    """Of a description: two that have the same one are of one program."""
     text = json.dumps(_bare(said), sort_keys=True, ensure_ascii=True, separators=(",", ":"))
-    said["layout"] = hashlib.sha256(text.encode()).hexdigest()[:16]
-    return said
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _bare(said: Any) -> Any:

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.cycles import FOUND, label
+from trackmarshal.backends.c.header import compiled
 from trackmarshal.backends.c.names import literal
-from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, text_of
+from trackmarshal.backends.c.process.description import PERIOD, SILENCE, describe, fingerprint, text_of
 from trackmarshal.backends.c.process.messages import CAUSES, HEAD, MAGIC, VERSION, Table
 from trackmarshal.backends.c.process.regions import BELL, LINE, regions
 from trackmarshal.backends.c.process.regions import MAGIC as REGION_MAGIC
 from trackmarshal.backends.c.process.regions import VERSION as REGION_VERSION
 from trackmarshal.backends.c.process.table import table
 from trackmarshal.backends.c.rendering import render
-from trackmarshal.backends.c.source import Source
+from trackmarshal.backends.c.source import Source, generated
 from trackmarshal.backends.c.supervised.binding import SAID
 from trackmarshal.backends.c.supervised.interface import FAULT_NAMES, LIMITS, in_force
 from trackmarshal.runtime.contract import LINES, RECORD, TIMELINE, Signal
@@ -42,6 +44,8 @@ _GENERATED = (
     "messages.h", "messages.c", "desk.c", "mailbox.h", "mailbox.c", "client.c", "client_example.c", "executing.h", "executing.c",
 )  # fmt: skip
 _PLAIN = ("desk.h", "process.c", "client.h")
+#: What is compiled of these into the process.
+_COMPILED = (*UNITS, "messages.h", "desk.h", "mailbox.h")
 FILES = (*_GENERATED, *_PLAIN, "messages.json")
 _FOLDER = Path(__file__).parent / "templates"
 
@@ -58,7 +62,22 @@ class Emitted:
         context = _context(source, made, self.description, limits, settings)
         self.files = {name: render(f"{name}.j2", context, _FOLDER) for name in _GENERATED}
         self.files |= {name: (_FOLDER / name).read_text(encoding="utf-8") for name in _PLAIN}
+        self.description["engine"] = _engine(source, [self.files[name] for name in _COMPILED])
+        self.description["layout"] = context["layout"] = fingerprint(self.description)
+        self.files["messages.h"] = render("messages.h.j2", context, _FOLDER)
         self.files["messages.json"] = text_of(self.description)
+
+
+def _engine(source: Source, files: Iterable[str]) -> str:
+    """The hash of all code of a process, which differs where another engine made it of the same spec. Monitors, which only `compile` writes and no
+    process calls, are none of it."""
+    rules = [code.rule for code in source.rules]
+    plain = generated(source.plan.spec, rules, doored=True) if source.monitors else source
+    code = [
+        compiled(plain.header + plain.source, plain.name),
+        *(compiled(file, source.name) for file in files),
+    ]
+    return hashlib.sha256("\0".join(code).encode()).hexdigest()[:16]
 
 
 def _context(
@@ -87,7 +106,7 @@ def _context(
         tables.append({"c": c_name, "knots": [*map(literal, knots)], "values": [*map(literal, values)]})
     return {
         "name": source.name, "messages": made.messages, "head": HEAD, "head_size": said["head"], "magic": MAGIC, "version": VERSION,
-        "layout": said["layout"], "period": PERIOD, "silence": SILENCE, "causes": CAUSES, "found": FOUND, "reasons": MOST_REASONS,
+        "layout": "0", "period": PERIOD, "silence": SILENCE, "causes": CAUSES, "found": FOUND, "reasons": MOST_REASONS,
         "capacities": list(made.capacities.items()), "lines": made.lines, "datagrams": said["datagrams"],
         "longest": max(message.length for message in made.messages),
         "signals": [*map(_word, made.signals)], "fields": ["", *map(_word, made.fields[1:])], "faults": list(FAULT_NAMES),

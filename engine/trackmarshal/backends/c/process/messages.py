@@ -18,7 +18,7 @@ CAUSES = {
     "size": "fewer bytes than a head has, or not as many as it says",
     "magic": "it begins differently",
     "version": "another version of what is common to all specs",
-    "layout": "made for another spec, other rules, capacities or limits",
+    "layout": "made for another spec, other rules, capacities or limits, or by another engine",
     "kind": "no such kind, or not one that goes this way",
     "length": "not the length that its kind has",
     "crc": "its bytes were changed",
