@@ -10,7 +10,7 @@ from trackmarshal.backends.c import places, setters
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, stated
 from trackmarshal.backends.c.courses import counts_samples, longest
 from trackmarshal.backends.c.functions.online import CAPACITY, Monitor
-from trackmarshal.backends.c.functions.rules import RuleCode
+from trackmarshal.backends.c.functions.rules import RuleCode, constant
 from trackmarshal.backends.c.functions.types import CASES
 from trackmarshal.backends.c.layout import Input, Layout
 from trackmarshal.backends.c.names import comment
@@ -38,7 +38,7 @@ def header(
         "along": along(plan), "capacities": [(macro, stated(macro, plan), CAPACITIES[macro][1]) for macro in capacities(plan, supervised)],
         "inputs": list(plan.inputs.values()), "comment": comment, "declaration": _declaration, "unit": unit,
         "geometry": places.has_geometry(plan), "firsts": begins, "end": end, "params": _params(plan),
-        "members": _members(plan, series, supervised), "rules": [(f"TM_RULE_{code.c_name.upper()}", _about(code)) for code in codes],
+        "members": _members(plan, series, supervised), "rules": [(constant(code.c_name), _about(code)) for code in codes],
         "places": list(setters.prototypes(plan, supervised is not None)), "cases": CASES, "online": CAPACITY,
         "named": plan.named, "remembered": remembered(plan, supervised is not None),
         "rulebooks": rulebooks, "counted": counts_samples(plan.nodes),

@@ -6,6 +6,10 @@ import math
 import re
 from collections.abc import Iterable
 from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from trackmarshal.source import Span
 
 _PLAIN = re.compile(r"[ -~]*")
 #: Keywords of C and C++, newer standards' and common extensions included: the header may end up in any program.
@@ -95,6 +99,11 @@ def literal(value: float) -> str:
 def comment(text: str) -> str:
     """Text inside a C comment: one line, printable ASCII, no comment marks."""
     return _harmless(" ".join(text.split()))
+
+
+def where(span: Span) -> str:
+    """File and line of a place in a spec, inside a C comment."""
+    return comment(f"{span.file.path}:{span.line}")
 
 
 def written(text: str) -> tuple[str, ...]:

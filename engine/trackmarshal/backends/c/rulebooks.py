@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from trackmarshal.backends.c.functions.rules import RuleCode
+from trackmarshal.backends.c.functions.rules import RuleCode, constant
 from trackmarshal.backends.c.names import comment, distinct
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.ir.spec import Spec
@@ -38,7 +38,7 @@ def book_codes(spec: Spec, codes: Sequence[RuleCode]) -> tuple[BookCode, ...]:
 
     Nor is there one of rules that count as one and have different scales: results do not know of these.
     """
-    constants = {code.rule.name: f"TM_RULE_{code.c_name.upper()}" for code in codes}
+    constants = {code.rule.name: constant(code.c_name) for code in codes}
     taken: set[str] = set()
     found = []
     for book in spec.rulebooks:

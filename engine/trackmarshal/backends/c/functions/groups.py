@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.functions.expressions import Expressions
 from trackmarshal.backends.c.functions.quantifiers import quantify
-from trackmarshal.backends.c.functions.rules import PARAMETERS, concluded
+from trackmarshal.backends.c.functions.rules import PARAMETERS, concluded, constant
 from trackmarshal.backends.c.functions.several import either, takes_several
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import comment
@@ -82,7 +82,7 @@ def _joined(plan: Layout, name: str, rules: Sequence[RuleInfo], several: bool = 
         writer.of(rule)
         c_name = plan.rule_names[rule.name]
         place = c.Member(writer.name("out"), "rule", True)
-        result = c.Address(c.Element(place, c.Name(f"TM_RULE_{c_name.upper()}")))
+        result = c.Address(c.Element(place, c.Name(constant(c_name))))
         applies = values.get(f"{c_name}_applies", writer.over("true"))
         said = concluded(writer, rule, result, applies, values[c_name])
         full = writer.call(f"tm_rule_{c_name}_any", writer.name("context"), writer.name("in"), result)

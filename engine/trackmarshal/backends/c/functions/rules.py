@@ -11,7 +11,7 @@ from trackmarshal.backends.c.functions.quantifiers import quantify
 from trackmarshal.backends.c.functions.several import either, takes_several
 from trackmarshal.backends.c.functions.writer import Writer
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.names import comment, written
+from trackmarshal.backends.c.names import comment, where, written
 from trackmarshal.backends.over_run.outcome import is_ahead
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -39,6 +39,11 @@ class RuleCode:
     counted: c.Function
 
 
+def constant(c_name: str) -> str:
+    """The place of a rule's result among all results, as C calls it."""
+    return f"TM_RULE_{c_name.upper()}"
+
+
 def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
     """Write a rule; raises TrackmarshalError E470 for what has no C counterpart. grouped: its function for known values is that of a group."""
     name = plan.rule_names[rule.name]
@@ -58,11 +63,8 @@ def rule_code(plan: Layout, rule: RuleInfo, grouped: bool) -> RuleCode:
         raise TrackmarshalError(
             "E470", f"rule `{rule.name}` is nested too deeply", file=span.file.path, line=span.line
         ) from error
-    head = [
-        f"/* {about(rule)[0]}",
-        *(f"   {line}".rstrip() for line in about(rule)[1:-1]),
-        f"   {about(rule)[-1]} */",
-    ]
+    first, *others, last = _about(rule)
+    head = [f"/* {first}", *(f"   {line}".rstrip() for line in others), f"   {last} */"]
     lines = [line for text in texts for line in (*text, "")]
     return RuleCode(rule, name, entry, "\n".join([*head, *lines]), max(series, most), along, counted)
 
@@ -123,11 +125,14 @@ _SAID = {
 }
 
 
-def about(rule: RuleInfo) -> tuple[str, ...]:
+def _about(rule: RuleInfo) -> tuple[str, ...]:
     """Lines of a comment on a rule: where it is, and how it is written."""
-    place = comment(f"{rule.span.file.path}:{rule.span.line}")
     text = written(rule.text) or (comment(f"{rule.name}: {rule.title}"),)
-    return (f"{place}; margin in {comment(rule.unit)}.", "", *(f"  {line}" if line else "" for line in text))
+    return (
+        f"{where(rule.span)}; margin in {comment(rule.unit)}.",
+        "",
+        *(f"  {line}" if line else "" for line in text),
+    )
 
 
 def _value(writer: Writer) -> tuple[c.Expr, c.Expr]:

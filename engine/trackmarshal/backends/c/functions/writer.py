@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.functions.slots import assign
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.names import RESERVED, comment, identifier
+from trackmarshal.backends.c.names import RESERVED, identifier, where
 from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
@@ -104,7 +104,7 @@ class Writer(ABC):
         if span is None or span is self.rule.span:
             return ""
         here = span.file is self.rule.span.file and not self.grouped
-        return f"line {span.line}" if here else comment(f"{span.file.path}:{span.line}")
+        return f"line {span.line}" if here else where(span)
 
     def add(self, scope: c.Scope, statement: c.Statement) -> None:
         scope.add(statement, self.place())

@@ -7,7 +7,7 @@ from typing import Any
 from trackmarshal.backends.c import tree as c
 from trackmarshal.backends.c.functions.operators import compared
 from trackmarshal.backends.c.layout import Layout
-from trackmarshal.backends.c.names import comment
+from trackmarshal.backends.c.names import where
 from trackmarshal.backends.c.over_run.future import Future, Operator, Table
 from trackmarshal.backends.c.over_run.hoping import hope
 from trackmarshal.backends.c.over_run.kept import Binds, entry, for_those_there
@@ -59,11 +59,10 @@ def _table(plan: Layout, each: Table, of: Table | None = None) -> dict[str, Any]
 
 def _operator(plan: Layout, each: Operator) -> dict[str, Any]:
     node = each.node
-    span = comment(f"{node.span.file.path}:{node.span.line}")
     operands = [_table(plan, one, each.table) for one in each.operands]
     op = node.op if isinstance(node, ir.OverRun) else "count"
     own = {
-        **_table(plan, each.table), "about": f"`{op}`: {span}", "op": op, "past": node.past, "lower": f"INT64_C({node.lower or 0})",
+        **_table(plan, each.table), "about": f"`{op}`: {where(node.span)}", "op": op, "past": node.past, "lower": f"INT64_C({node.lower or 0})",
         "upper": None if node.upper is None else f"INT64_C({node.upper})", "p": operands[0], "q": operands[-1],
         "waits": op in ("eventually", "always", "until"), "kind": _KINDS.get(op, ""),
     }  # fmt: skip

@@ -21,6 +21,7 @@ FILES = (
     "pairs",
     "course",
     "future",
+    "hopes",
     "geometry/exact",
     "geometry/curve",
     "geometry/near",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.backends.c.functions.groups import GroupCode
-from trackmarshal.backends.c.functions.rules import RuleCode
+from trackmarshal.backends.c.functions.rules import RuleCode, constant
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.backends.over_run.outcome import is_ahead
@@ -27,11 +27,6 @@ def of_candidate(rule: RuleInfo) -> bool:
     return False
 
 
-def constant(code: RuleCode) -> str:
-    """The place of a rule's result."""
-    return f"TM_RULE_{code.c_name.upper()}"
-
-
 def calls(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) -> Iterator[str]:
     """Statements that compute rules: groups, then what is left."""
     for course in plan.courses.values():
@@ -45,7 +40,7 @@ def calls(plan: Layout, codes: Sequence[RuleCode], groups: Sequence[GroupCode]) 
         yield f"  {group.c_name}(c, in, out);"
     for code in codes:
         if code.rule.name not in grouped:
-            yield f"  {code.entry}(c, in, &out->rule[{constant(code)}]);"
+            yield f"  {code.entry}(c, in, &out->rule[{constant(code.c_name)}]);"
 
 
 def judge(
@@ -75,7 +70,7 @@ def judge(
     yield from calls(plan, mine, own)
     for code in codes:
         if code not in mine:
-            yield f"  out->rule[{constant(code)}] = look->out->driving.rule[{constant(code)}];"
+            yield f"  out->rule[{constant(code.c_name)}] = look->out->driving.rule[{constant(code.c_name)}];"
     yield "  c->marks.judge = c->serial;"
     yield "}"
     yield ""
