@@ -21,7 +21,7 @@ CODES = {
     "E402": (
         "a configuration that does not fit",
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, in one module of those that rules read, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
+        "must exist there, in one module of those that rules, constraints and what they rest on read, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
         "else demands something would not be in force there, and are refused.",
     ),
 }
@@ -66,7 +66,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     )  # fmt: skip
     for kind, target, source in kinds:
         for info in source.values():
-            _refuse_several(spec, kind, target, info)
+            _refuse_several(spec, settings, kind, target, info)
             _replace(kind, target, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
@@ -181,7 +181,7 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
 
 
 def _refuse_several(
-    spec: Spec, kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
+    spec: Spec, settings: Spec, kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
 ) -> None:  # fmt: skip
     """Raise E402 for a name of several declarations that rules read: which of them is meant, nobody can tell, as of data (D203)."""
     short = short_name(info)
@@ -192,14 +192,22 @@ def _refuse_several(
     ]
     if len(meant) < 2:  # mostly
         return
+    formulas = [formula for rule in spec.rules for formula in (rule.formula, rule.active)]
+    formulas += [constraint.formula for constraint in spec.constraints]
     read = {
         node.table if isinstance(node, ir.Lookup | ir.GridLookup) else node.name
-        for rule in spec.rules
-        for formula in (rule.formula, rule.active)
+        for formula in formulas
         if formula is not None
         for node in ir.below(formula)
         if isinstance(node, ir.Param | ir.Lookup | ir.GridLookup | ir.Area | ir.Line)
     }
+    # What a parameter is made of is read for it, unless it is set, too.
+    given = {short_name(each) for each in settings.params.values()}
+    left = list(read)
+    for name in left:
+        if name in spec.params and short_name(spec.params[name]) not in given:
+            left += [each for each in spec.params[name].made_of if each not in read]
+            read.update(left)
     several = sorted(read.intersection(meant))
     if len(several) > 1:
         raise TrackmarshalError(

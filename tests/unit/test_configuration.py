@@ -187,6 +187,40 @@ def test_a_name_of_several_modules_that_rules_read_is_refused(kind: str, tmp_pat
     assert len(load(specs, [car]).rules) == 1
 
 
+@pytest.mark.parametrize(
+    "slow",
+    [
+        "param slow : m/s = 0.9 * top",
+        "param wet : m/s = 0.8 * top\nparam slow : m/s = min(wet, 10 m/s)",
+        'param slow : m/s = 15 m/s\nconstrain top <= 20 m/s because "the lane is narrow"',
+    ],
+)
+def test_what_others_read_for_a_rule_is_read(slow: str, tmp_path: Path) -> None:
+    """A rule asks for the limit of the pit lane by what is made of it, or relies on what is to hold of it: it was no longer told from that of the road."""
+    specs = tmp_path / "specs"
+    specs.mkdir()
+    for name, more, limit in (("road", "", "top"), ("pit", slow, "slow")):
+        said = f"signal {name}_car : state {{ v: m/s }}\nparam top : m/s = 12 m/s\n{more}\nrule {name} require {name}_car.v <= {limit}\n"
+        (specs / f"{name}.spec").write_text(f"module {name}\n{said}", "utf-8")
+    car = tmp_path / "car.spec"
+    car.write_text("module car\nparam top : m/s = 14 m/s\n", "utf-8")
+    with pytest.raises(TrackmarshalError, match=r"E402.*parameter `top` .*`pit\.top` and `road\.top`"):
+        load(specs, [car])
+
+
+def test_what_a_configuration_sets_is_made_of_nothing(tmp_path: Path) -> None:
+    """Nobody is left then who would read the other one."""
+    specs = tmp_path / "specs"
+    specs.mkdir()
+    (specs / "road.spec").write_text(SPEC.replace("v_max", "top").replace("rules", "road"), "utf-8")
+    pit = "module pit\nevent pit\nparam top : m/s = 12 m/s\nparam slow : m/s = 0.9 * top\nrule calm require pit or slow <= 15 m/s\n"
+    (specs / "pit.spec").write_text(pit, "utf-8")
+    car = tmp_path / "car.spec"
+    car.write_text("module car\nparam top : m/s = 14 m/s\nparam slow : m/s = 11 m/s\n", "utf-8")
+    made = load(specs, [car]).params
+    assert (made["road.top"].value, made["pit.slow"].value) == (14.0, 11.0)
+
+
 TRAJECTORY = "trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }"
 CONSTRAINED = SPEC.replace("series { t: s increasing, v: m/s }", TRAJECTORY)
 CONSTRAINED += 'param slowest : m/s = 3 m/s\nconstrain slowest <= v_max because "it is the slowest"\n'

@@ -96,10 +96,12 @@ class ParamInfo(Node):
     span: Span
     #: The record of parameters that it is a field of; "": of none.
     record: str = ""
+    #: The parameters of which its value is made, by their names: a value for them changes it no more.
+    made_of: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        """One that is in no record is described as it was before there were any: what is kept of runs rests on it."""
-        told = [name for name in self.compared if name != "record" or self.record]
+        """As it is by itself; one that is in no record, as it was before there were any: what is kept of runs rests on it."""
+        told = [name for name in self.compared if name != "made_of" and (name != "record" or self.record)]
         return f"ParamInfo({', '.join(f'{name}={self.__dict__[name]!r}' for name in told)})"
 
     @property

@@ -113,7 +113,7 @@ def of(info: Declared) -> str:
                 *sorted(info.rules), "", *(" ".join(relation) for relation in sorted(info.relations))
             )
         case ParamInfo():
-            return sha256(_told(ParamInfo(**{**info.__dict__, "source": None})))
+            return sha256(_told(ParamInfo(**{**info.__dict__, "source": None, "made_of": ()})))
         case TableInfo() | PlaceInfo() | SignalType():
             return sha256(_told(info))
         case _:

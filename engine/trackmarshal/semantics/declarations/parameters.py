@@ -57,16 +57,18 @@ class Parameters:
 
     def _declare(self, item: ast.Param, ctx: Context) -> None:
         x, unit = self._x, item.unit
-        number, (lower, upper) = x.all(lambda: self._value(item, ctx), lambda: limits(x, item.range, unit))
+        (number, made_of), (lower, upper) = x.all(
+            lambda: self._value(item, ctx), lambda: limits(x, item.range, unit)
+        )
         if not inside(number, lower, upper):
             assert item.range is not None
             problem = f"the value of `{item.name}`, {in_full(number, unit)}, is {outside(lower, upper, unit)}"
             x.fail(BadValue(ast.span_of(item.value), problem, item.range.span))
         qualified, record = f"{ctx.scope.module}.{item.name}", item.name.rpartition(".")[0]
-        info = ParamInfo(qualified, number, unit, lower, upper, item.source, item.span, record)
+        info = ParamInfo(qualified, number, unit, lower, upper, item.source, item.span, record, made_of)
         self.known.setdefault(qualified, info)
 
-    def _value(self, item: ast.Param, ctx: Context) -> float:
+    def _value(self, item: ast.Param, ctx: Context) -> tuple[float, tuple[str, ...]]:
         x, dimension = self._x, parse_unit(item.unit)[2]
         value, what = x.number(item.value, ctx), f"parameter `{item.name}`"
         if value.dimension != dimension:
@@ -79,12 +81,13 @@ class Parameters:
         x.advise(x.advice.in_unit(value, item.unit, what, item.span.word(item.unit)))
         return self.constant(value, ctx)
 
-    def constant(self, number: typed.Number, ctx: Context) -> float:
-        """The value of a number made of literals and parameters declared before."""
+    def constant(self, number: typed.Number, ctx: Context) -> tuple[float, tuple[str, ...]]:
+        """The value of a number made of literals and parameters declared before, and the names of these."""
         node, span = Lowering(self._interner).number(number), number.span
-        for part in ir.below(node):
-            if isinstance(part, ir.Param) and part.name not in self.known:
-                self._without_value(part.name, span, ctx)
+        made_of = tuple([part.name for part in ir.below(node) if isinstance(part, ir.Param)])
+        for each in made_of:
+            if each not in self.known:
+                self._without_value(each, span, ctx)
         value = constant_value(node, lambda name: self.known[name].value)
         if value is None:
             hint = "use literals and parameters that are declared before"
@@ -92,7 +95,7 @@ class Parameters:
         if not math.isfinite(value):
             problem = f"this value is {in_full(value, '1')}, which is not finite"
             self._x.fail(BadValue(span, problem, None, "its arithmetic divides by zero or overflows"))
-        return value
+        return value, made_of
 
     def _without_value(self, qualified: str, span: Span, ctx: Context) -> NoReturn:
         """Fail for a parameter that has no value yet; where its own error was reported, silently."""

@@ -47,6 +47,6 @@ def _point(item: ast.Place, index: int) -> Span:
 def check_stretch(item: ast.Stretch, x: Expressions, ctx: Context, parameters: Parameters) -> None:
     """Fail for a stretch that ends before it begins; on a line that may be closed, none does."""
     line, *numbers = ends(item, x, ctx)
-    start, end = x.all(*(partial(parameters.constant, number, ctx) for number in numbers))
+    (start, _), (end, _) = x.all(*(partial(parameters.constant, number, ctx) for number in numbers))
     if on_open_line(line) and end < start:
         x.fail(BackwardStretch(numbers[1].span, line.span, in_full(start, "m"), in_full(end, "m")))
