@@ -84,9 +84,7 @@ def pytest_make_collect_report(
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
-def pytest_runtest_makereport(
-    item: pytest.Item,
-) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """A test says in a property what `--junitxml` does not tell from any other that passed: that it was expected to fail, that a plugin repeats it after it failed, that
     it was set up and never called, as with `--setup-only`, or that asserts do nothing, since Python runs with `-O`."""
     report = yield

@@ -100,8 +100,7 @@ def _prepared(compiled: Compiled, module: str, item: ast.Test, rule: RuleInfo | 
             giving.fail(entry.span, problem, "give it before the first `after`")
 
     _, expect = compiled.expressions.all(
-        lambda: compiled.expressions.each(give, item.steps),
-        lambda: expected.of(item.expect, rule),
+        lambda: compiled.expressions.each(give, item.steps), lambda: expected.of(item.expect, rule)
     )
     if rule is None or rule.formula is None:
         return None

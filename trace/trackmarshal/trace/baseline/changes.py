@@ -20,14 +20,7 @@ from trackmarshal.trace.baseline.content import (
     Value,
 )
 from trackmarshal.trace.baseline.renaming import renamings
-from trackmarshal.trace.baseline.weakening import (
-    CITING,
-    claimed,
-    elements,
-    excuses,
-    is_weaker,
-    text,
-)
+from trackmarshal.trace.baseline.weakening import CITING, claimed, elements, excuses, is_weaker, text
 
 #: Fields that say nothing by themselves: what others come to, or how something is shown.
 _SILENT = {

@@ -102,13 +102,7 @@ class _Nodes:
             if part.kind in ("limit", "replay"):
                 continue  # to which nothing is linked
             place = Place(part.file, part.line, part.column)
-            self._node(
-                USED[part.kind],
-                part.name,
-                part.shown,
-                place,
-                {"fingerprint": part.fingerprint},
-            )
+            self._node(USED[part.kind], part.name, part.shown, place, {"fingerprint": part.fingerprint})
         for item in self.spec.by_name.values():
             for kind, name in uses(item):
                 self._node(kind, name, "", None, {})
