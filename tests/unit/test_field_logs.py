@@ -540,6 +540,23 @@ def test_mcap_is_read_whole_whatever_its_index_names(tmp_path: Path) -> None:
     assert len(log.read(mapping.read(where), path).t) == len(CLEAN["time"])
 
 
+def test_mcap_of_two_files_in_one_is_refused(tmp_path: Path) -> None:
+    """`cat` makes such a file: the second half of the drive was lost, and no word said so."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    where, path = field_logs.write(tmp_path, CLEAN, of_topics("/odom"))
+    halves = []
+    for rows in (range(250), range(250, len(CLEAN["time"]))):
+        with path.open("wb") as file:
+            writer = writing.Writer(file)
+            writer.start()
+            drive(writer, rows)
+            writer.finish()
+        halves.append(path.read_bytes())
+    path.write_bytes(b"".join(halves))
+    with pytest.raises(TrackmarshalError, match=rf"D174.*{len(halves[1])} bytes stand behind the end"):
+        log.read(mapping.read(where), path)
+
+
 def test_mcap_without_an_index_is_held_against_its_checksums(tmp_path: Path) -> None:
     """A digit that was changed on a disk is another number, and passed for what was driven."""
     writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")

@@ -169,12 +169,13 @@ def _messages(data: bytes, shown: str, wanted: Collection[str], topics: set[str]
 
 
 def _records(data: bytes, shown: str) -> Iterator[Any]:
-    """The records of a file and of its chunks, held against their checksums; raises D124, and the package's errors."""
+    """The records of a file and of its chunks, held against their checksums; raises D124, D174 for more than one file, and the package's errors."""
     from mcap.records import Chunk
     from mcap.stream_reader import StreamReader, breakup_chunk
 
     left = limit = max(content.MAX_BYTES, _MAX_RATIO * len(data))
-    for record in StreamReader(io.BytesIO(data), emit_chunks=True, validate_crcs=True).records:
+    stream = io.BytesIO(data)
+    for record in StreamReader(stream, emit_chunks=True, validate_crcs=True).records:
         if not isinstance(record, Chunk):
             yield record
             continue
@@ -185,6 +186,13 @@ def _records(data: bytes, shown: str) -> Iterator[Any]:
             raise content.too_large(shown, f"{len(data)} bytes unpack to more", limit)
         record.data, record.compression = _unpacked(record), ""
         yield from breakup_chunk(record, validate_crc=True)
+    behind = (
+        len(data) - stream.tell()
+    )  # the package stops at the end of the first of two files that were put together
+    if behind:
+        message = f"{behind} bytes stand behind the end of the MCAP file, and would be lost"
+        help_ = "are these two files in one? Merge them with `mcap merge`, or make a recording of each"
+        raise TrackmarshalError("D174", message, file=shown, help=help_)
 
 
 def _unpacked(chunk: Any) -> bytes:
