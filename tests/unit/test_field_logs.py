@@ -557,6 +557,22 @@ def test_mcap_of_two_files_in_one_is_refused(tmp_path: Path) -> None:
         log.read(mapping.read(where), path)
 
 
+def test_mcap_with_a_field_twice_in_a_message_is_refused(tmp_path: Path) -> None:
+    """Readers take the one or the other: here the last one counted, and a car at 45 m/s drove 15."""
+    writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")
+    where, path = field_logs.write(tmp_path, CLEAN, of_topics("/odom"))
+    with path.open("wb") as file:
+        writer = writing.Writer(file)
+        writer.start()
+        odom = writer.register_channel("/odom", "json", 0)
+        for t, x, y, h, v, yaw in zip(*CLEAN.values()):
+            said = f'{{"pose": [{x}, {y}, {h}], "v": {3 * v}, "yaw": {yaw}, "v": {v}}}'
+            writer.add_message(odom, round(t * 1e9), said.encode(), round(t * 1e9))
+        writer.finish()
+    with pytest.raises(TrackmarshalError, match=r"D171.*message 1: .*`/odom`.*'v' stands twice"):
+        log.read(mapping.read(where), path)
+
+
 def test_mcap_without_an_index_is_held_against_its_checksums(tmp_path: Path) -> None:
     """A digit that was changed on a disk is another number, and passed for what was driven."""
     writing = pytest.importorskip("mcap.writer", reason="reads MCAP with the package mcap")

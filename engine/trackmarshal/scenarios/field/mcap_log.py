@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import math
 from collections.abc import Collection, Iterator
 from collections.abc import Mapping as AnyMapping
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackmarshal.errors import TrackmarshalError
+from trackmarshal.json_text import parse
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.field.mapping import Column
 from trackmarshal.scenarios.fields import suggestion
@@ -186,9 +186,8 @@ def _records(data: bytes, shown: str) -> Iterator[Any]:
             raise content.too_large(shown, f"{len(data)} bytes unpack to more", limit)
         record.data, record.compression = _unpacked(record), ""
         yield from breakup_chunk(record, validate_crc=True)
-    behind = (
-        len(data) - stream.tell()
-    )  # the package stops at the end of the first of two files that were put together
+    # The package stops at the end of the first of two files that were put together.
+    behind = len(data) - stream.tell()
     if behind:
         message = f"{behind} bytes stand behind the end of the MCAP file, and would be lost"
         help_ = "are these two files in one? Merge them with `mcap merge`, or make a recording of each"
@@ -226,9 +225,10 @@ def _way(column: Column, name: str, shown: str) -> tuple[str, tuple[str, ...]]:
 
 def _parsed(data: bytes, topic: str, number: int, shown: str) -> Any:
     try:
-        return json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise _wrong(f"a message of `{topic}` is no JSON", shown, number, "fetch the file again") from error
+        return parse(data.decode(), constants=True)
+    except ValueError as error:  # BadJson, or no UTF-8
+        help_ = "mend what writes it, or fetch the file again"
+        raise _wrong(f"a message of `{topic}` cannot be read: {error}", shown, number, help_) from error
 
 
 def _value(latest: tuple[int, Any], way: tuple[str, ...], topic: str, shown: str, number: int) -> float:
