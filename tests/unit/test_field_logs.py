@@ -197,6 +197,29 @@ def test_a_bad_mapping_is_refused(tmp_path: Path, old: str, new: str, code: str,
     assert number is None or error.line == number
 
 
+def words(*spans: tuple[float, float, str]) -> str:
+    """The mapping with what persons say of firings of one rule: from, to, cause."""
+    said = [
+        f"  - {{rule: speed_limit, from: {begin}, to: {end}, cause: {cause}, because: seen}}\n"
+        for begin, end, cause in spans
+    ]
+    return f"{field_logs.MAP}findings:\n{''.join(said)}"
+
+
+@pytest.mark.parametrize("second", [(9, 20), (0, 10), (2, 3)])
+def test_persons_who_contradict_each_other(tmp_path: Path, second: tuple[float, float]) -> None:
+    """The first of both counted: what somebody had found to be real was put down to the rule, and no word said so."""
+    error = refused(tmp_path, declared=words((0, 10, "rule"), (*second, "real")))
+    assert (error.code, error.line) == ("D151", 21)
+    assert "`rule` and to `real`" in error.message
+
+
+def test_words_on_firings_one_after_the_other(tmp_path: Path) -> None:
+    declared = words((0, 10, "rule"), (10, 20, "real"), (12, 20, "real"))
+    where, _ = field_logs.write(tmp_path, CLEAN, declared)
+    assert [one.cause for one in mapping.read(where).findings] == ["rule", "real", "real"]
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [

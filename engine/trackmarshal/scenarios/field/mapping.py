@@ -156,7 +156,7 @@ def _mapping(root: Item, path: Path) -> Mapping:
         top["smoother"].choice(("rts", "none")) == "rts" if "smoother" in top else True,
         _noise(top["noise"]) if "noise" in top else {},
         tuple(_gap(item) for item in top["gaps"].items()) if "gaps" in top else (),
-        tuple(_finding(item) for item in top["findings"].items()) if "findings" in top else (),
+        _findings(top["findings"]) if "findings" in top else (),
         _given(top["given"]) if "given" in top else {},
     )  # fmt: skip
 
@@ -243,6 +243,21 @@ def _given(item: Item) -> dict[str, tuple[float, str]]:
             raise fields["because"].wrong("the reason is empty", "say where the number is from")
         found[name] = fields["value"].number(), fields["because"].said()
     return found
+
+
+def _findings(item: Item) -> tuple[Finding, ...]:
+    """Persons' words, of which no two put the same firing down to different causes: nobody would see that the second one counts for nothing."""
+    found: list[Finding] = []
+    for entry in item.items():
+        made = _finding(entry)
+        for other in found:
+            begin, end = max(made.begin, other.begin), min(made.end, other.end)
+            both = begin < end or (made.begin, made.end) == (other.begin, other.end)
+            if made.rule == other.rule and made.cause != other.cause and both:
+                message = f"from {begin:g} to {end:g} s, `{made.rule}` is put down to `{other.cause}` and to `{made.cause}`"
+                raise entry.wrong(message, "agree on one of both")
+        found.append(made)
+    return tuple(found)
 
 
 def _finding(item: Item) -> Finding:
