@@ -128,6 +128,7 @@ BAD_TEXTS: dict[str, tuple[str | bytes, str, int | None, str]] = {
     "empty": ("", "D126", 1, "empty"),
     "latin 1": (scn().replace("veh_2", "größe").encode("latin-1"), "D126", 4, "UTF-8"),
     "no border": (scn().replace("bound_r", "bound_x"), "D127", None, "bound_r"),
+    "border twice": ("# bound_l:[[0, 99], [50, 99]]\n" + scn(), "D127", 2, "more than one comment line `# bound_l"),
     "border of one point": (scn(left="[[0, 0]]"), "D128", 1, "two or more"),
     "border with NaN": (scn(left="[[0, 0], [NaN, 1]]"), "D128", 1, "NaN"),
     "border without end": (scn(left="[[0, 0], [1e999, 1]]"), "D128", 1, "finite"),

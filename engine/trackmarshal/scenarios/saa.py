@@ -126,18 +126,20 @@ class _Scenario:
         return TrackmarshalError(code, message, file=self.shown, line=line, help=help)
 
     def _border(self, comments: list[tuple[int, str]], name: str) -> list[list[float]]:
-        for line, comment in comments:
-            key, _, value = comment.lstrip("# ").partition(":")
-            if key.strip() != name:
-                continue
-            try:
-                points = [_numbers(point, ("x", "y")) for point in _list(parse(value))]
-            except BadJson as error:
-                raise self._error("D128", f"{name}: {error}", line, "points are [x, y]") from error
-            if len(points) < 2 or not all(math.isfinite(z) for point in points for z in point):
-                raise self._error("D128", f"{name} needs two or more finite points", line, _EXPORT)
-            return points
-        raise self._error("D127", f"no comment line `# {name}:`", None, _EXPORT)
+        said = [(line, comment.lstrip("# ").partition(":")) for line, comment in comments]
+        found = [(line, value) for line, (key, _, value) in said if key.strip() == name]
+        if not found:
+            raise self._error("D127", f"no comment line `# {name}:`", None, _EXPORT)
+        if len(found) > 1:  # the track may be as wide as either
+            raise self._error("D127", f"more than one comment line `# {name}:`", found[1][0], _EXPORT)
+        line, value = found[0]
+        try:
+            points = [_numbers(point, ("x", "y")) for point in _list(parse(value))]
+        except BadJson as error:
+            raise self._error("D128", f"{name}: {error}", line, "points are [x, y]") from error
+        if len(points) < 2 or not all(math.isfinite(z) for point in points for z in point):
+            raise self._error("D128", f"{name} needs two or more finite points", line, _EXPORT)
+        return points
 
     def _header(self, line: int, header: str) -> None:
         self.columns = [name.strip() for name in header.split(";")]
