@@ -247,6 +247,19 @@ def test_a_spec_beside_the_argument_of_a_verb(arguments: tuple[str, ...], told: 
     assert ("; a spec is named by --spec small.spec" in err) == told
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "status"), [("unsafe", "safe", 2), ("unsafe", "unsafe", 1), ("safe", "safe", 0)]
+)
+def test_an_option_for_one_value_is_given_once(first: str, second: str, status: int) -> None:
+    """Of two files of cases, the last one was evaluated: what was unsafe in the first one came out as safe."""
+    for name, v in (("unsafe", 40.0), ("safe", 20.0)):
+        plan = {"t": [0, 1], "x": [0, v], "y": [0, 0], "heading": [0, 0], "v": [v, v]}
+        Path(name).write_text(json.dumps({"signals": {"plan": plan}}), encoding="utf-8")
+    found, _, err = run_command("eval", "small.spec", "--rule", "fast", "--data", first, "--data", second)
+    assert found == status
+    assert ("argument --data: given twice, as unsafe and as safe" in err) == (first != second)
+
+
 @pytest.mark.parametrize(("arguments", "status"), [(("check", "small.spec"), 0), (("check", "none.spec"), 2)])
 def test_the_package_runs_as_a_module(arguments: tuple[str, ...], status: int) -> None:
     """Where the folder of commands is not on the path, as after `pip install --user`."""

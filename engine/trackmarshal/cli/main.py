@@ -9,7 +9,7 @@ import io
 import os
 import signal
 import sys
-from typing import TextIO
+from typing import Any, TextIO
 
 from trackmarshal.errors import TrackmarshalError
 
@@ -125,12 +125,35 @@ def _path(error: OSError) -> str | None:
     )
 
 
+class _Once(argparse.Action):
+    """An option that has one value. Of two that differ, argparse takes the last one: with `--data` twice, nobody evaluates the first file."""
+
+    _given: object = None
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option_string: str | None = None
+    ) -> None:  # fmt: skip
+        if option_string is not None and self._given not in (None, values):
+            raise argparse.ArgumentError(self, f"given twice, as {self._given} and as {values}")
+        self._given = values
+        setattr(namespace, self.dest, values)
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser, also of the verbs of a verb, that takes an option for one value only once."""
+
+    def __init__(self, **how: Any) -> None:
+        super().__init__(**how)
+        for name in (None, "store"):
+            self.register("action", name, _Once)
+
+
 def _dispatch(arguments: list[str]) -> int:
     before, verb, after = _at_the_verb(arguments)
     if verb not in VERBS:
         return _overview(verb, before)
     module = importlib.import_module(f"trackmarshal.cli.{_module(verb)}")
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog=f"trackmarshal {verb}",
         description=module.__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
