@@ -194,6 +194,7 @@ def test_results_are_those_of_the_page_that_was_reviewed(warehouse: Path, change
         ([{key: value for key, value in RUN.items() if key != "track"}], {}, "run 1 lacks"),
         ([{**RUN, "traffic": 0}], {}, "run 1 lacks"),
         ([3], {}, "run 1 is no object"),
+        ([RUN, {**RUN, "place": "dock"}, RUN], {}, "a run of `P-1` on hall is there twice"),
         ([RUN], {"version": 2}, "`version` 1"),
         ([RUN], {"runs": {}}, "`runs` is to be a list"),
     ],
@@ -207,6 +208,16 @@ def test_results_that_lack_something_are_refused(
     assert "error[T437]" in err
     assert "loop.json" in err
     assert said in err
+
+
+def test_an_outcome_that_is_said_twice_is_refused(warehouse: Path) -> None:
+    """Readers of JSON take the last one: a contact was counted, and drawn, as a stop."""
+    path = loop(warehouse, [RUN]) / "loop.json"
+    path.write_text(
+        path.read_text("utf-8").replace('"outcome": ', '"outcome": "contact", "outcome": '), "utf-8"
+    )
+    status, _, err = command(warehouse, "case", "--out", str(warehouse / "out"), "--day", DAY)
+    assert (status, "`outcome` is there twice" in err) == (2, True)
 
 
 def test_not_a_number_in_results_is_refused(warehouse: Path) -> None:

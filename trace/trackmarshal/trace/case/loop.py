@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Iterable, Mapping
@@ -12,6 +11,8 @@ from typing import Any, NoReturn
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
+from trackmarshal.json_text import named_twice
+from trackmarshal.records import strict
 
 FORMAT, VERSION = "trackmarshal-closed-loop", 1
 #: What became of a car, from best to worst, with the status that it looks like.
@@ -57,16 +58,22 @@ def read(root: Path, path: str, sha256: str, reviewed: Iterable[str] = ()) -> Lo
     """The results in a file of the project. reviewed: evidence whose contents somebody has reviewed, which may be a page of these results. Raises
     TrackmarshalError T437 where the file holds something else."""
     try:
-        said = json.loads(read_regular(root / path))
-    except (OSError, ValueError, RecursionError) as problem:
+        said = strict(read_regular(root / path))
+    except (OSError, ValueError) as problem:
         _refused(path, str(problem) or type(problem).__name__)
     if not isinstance(said, dict) or said.get("format") != FORMAT or said.get("version") != VERSION:
         _refused(path, f"`format` is to be `{FORMAT}` and `version` {VERSION}")
     runs, titles = said.get("runs"), said.get("faults", {})
     if not isinstance(runs, list) or not isinstance(titles, dict):
         _refused(path, "`runs` is to be a list, and `faults` an object")
+    made = tuple(_run(path, n, run) for n, run in enumerate(runs, 1))
+    again = named_twice(made)
+    if again is not None:
+        _refused(
+            path, f"a run of `{again.fault}` on {again.track} is there twice, so that it would count twice"
+        )
     pages = {page: sha256 in given for page in reviewed if (given := _hashes(root / page, path))}
-    return Loop(path, sha256, {str(id_): str(title) for id_, title in titles.items()}, tuple(_run(path, n, run) for n, run in enumerate(runs, 1)), pages)  # fmt: skip
+    return Loop(path, sha256, {str(id_): str(title) for id_, title in titles.items()}, made, pages)
 
 
 def _hashes(page: Path, path: str) -> set[str]:
