@@ -207,6 +207,19 @@ def test_as_many_tests_are_asked_for_as_the_project_says(
     assert covered["lacking"] == lacking
 
 
+@pytest.mark.parametrize(("speed", "enough"), [("15 m/s", False), ("54 km/h", False), ("16 m/s", True)])
+def test_a_copy_of_a_test_is_no_second_one(speed: str, enough: bool, tmp_path: Path) -> None:
+    """`tests_per_rule` was content with one test under two titles, however its number was written."""
+    path = project(tmp_path, more="  tests_per_rule: {violated: 2}\n") / "specs" / "m.spec"
+    copy = f'\ntest slow "faster"\n  given  ego = {{ v: {speed} }}\n  expect violated\n'
+    path.write_text(path.read_text("utf-8") + copy, "utf-8")
+    said = '"faster" is "fast" under another title'
+    status, out, _ = command(tmp_path, "test")
+    assert (status, said in out) == (int(not enough), not enough)
+    out = command(tmp_path, "trace", "--gate")[1]
+    assert (f"`slow` has 1 of 2 tests that expect `violated`; {said}" in out) != enough
+
+
 def test_another_distance_makes_results_anew(tmp_path: Path) -> None:
     assert command(project(tmp_path, v="9.98", within="0.03"), "trace", "--accept-baseline")[0] == 0
     assert "T212" in command(tmp_path, "trace", "--gate")[1]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from trackmarshal.records.fields import Fields
 
@@ -43,6 +43,30 @@ class TestResult:
             f.text("rule"), f.text("title", ""), f.word("outcome", OUTCOMES), f.text("fingerprint"), f.text("message", ""),
             f.text("file"), f.count("line"), f.words("inputs"), f.text("unmoved", ""),
         )  # fmt: skip
+
+
+class Titled(Protocol):
+    """A test, as far as it has a title."""
+
+    @property
+    def title(self) -> str: ...
+
+
+_Test = TypeVar("_Test", bound=Titled)
+
+
+def apart(tests: Iterable[_Test], says: Callable[[_Test], str]) -> tuple[list[_Test], tuple[str, ...]]:
+    """Of the tests of a rule those that differ in more than their titles, and what the others repeat: a copy shows nothing more.
+
+    says: the fingerprint of what a test gives and expects; empty where that is not known.
+    """
+    first: dict[str, _Test] = {}
+    again = []
+    for test in tests:
+        other = first.setdefault(says(test) or f"titled {test.title}", test)
+        if other is not test:
+            again.append(f'"{test.title}" is "{other.title}" under another title')
+    return list(first.values()), tuple(again)
 
 
 def not_on_it(title: str, narrow: bool, distance: str, within: str, unmoved: str) -> str:

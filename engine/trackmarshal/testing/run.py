@@ -15,7 +15,7 @@ from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, margin_units
 from trackmarshal.ir.spec import RuleInfo, Spec
-from trackmarshal.records.tests import not_on_it
+from trackmarshal.records.tests import apart, not_on_it
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult
 from trackmarshal.testing.boundary import Distances, near
@@ -44,7 +44,7 @@ class Outcome:
 @dataclass(frozen=True, slots=True)
 class Coverage:
     """Which sides of a rule's boundary its tests stand on: at least one of them, and as many as are asked for. beside: of tests that are to be on it and
-    are not, why. lacking: the sides that are asked for and lack tests, with how many."""
+    are not, why; and of copies of tests, where some are lacking, of which. lacking: the sides that are asked for and lack tests, with how many."""
 
     rule: RuleInfo
     tests: int
@@ -276,8 +276,11 @@ def coverage(
     unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same. failed: those that
     did not pass, which show nothing. needs: how many tests each rule has at least, by side.
     """
+    from trackmarshal.meaning import fingerprint_of_test
+
     wanted = dict(needs)
     distances, unmoved = distances or Distances(), unmoved or {}
+    several = any(number > 1 for number in wanted.values())
     by_rule: dict[str, list[PreparedTest]] = {}
     for test in tests:
         by_rule.setdefault(test.rule.name, []).append(test)
@@ -287,6 +290,9 @@ def coverage(
             continue
         own = by_rule.get(rule.name, [])
         shown = [test for test in own if (rule.name, test.title) not in failed]
+        again: tuple[str, ...] = ()
+        if several:  # where one is enough, a copy does no harm
+            shown, again = apart(shown, fingerprint_of_test)
         said = [
             not_on_it(test.title, *near(test, spec, distances), unmoved.get((rule.name, test.title), ""))
             for test in shown
@@ -304,5 +310,6 @@ def coverage(
             if have[side] < wanted[side] and (side != "boundary" or has_boundary(rule))
         )
         beside = () if there["boundary"] else tuple(filter(None, said))
+        beside += again if lacking else ()
         result.append(Coverage(rule, len(own), **there, beside=beside, lacking=lacking))
     return result

@@ -88,7 +88,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T209": ("a name declared twice", "Two rules or assumptions share a name: links to it are ambiguous."),
     "T210": ("a link given twice in a spec", "The rule names the same requirement twice."),
     "T211": ("a rule without a test", "An untested rule may be wrong in any direction. Monitors of assumptions are tested too."),
-    "T212": ("a side of the boundary without a test", "Every rule is tested on both sides of its boundary and, where it compares numbers, exactly on it. `tests_per_rule` in v-model.yaml says how many of each. On it stands a test that expects a margin of 0 within a small tolerance, and that fails where the limits of the rule are moved by a stated distance, whichever way."),
+    "T212": ("a side of the boundary without a test", "Every rule is tested on both sides of its boundary and, where it compares numbers, exactly on it. `tests_per_rule` in v-model.yaml says how many of each. One that only has another title than another one is no further test. On it stands a test that expects a margin of 0 within a small tolerance, and that fails where the limits of the rule are moved by a stated distance, whichever way."),
     "T213": ("a test of nothing", "The test names a rule that does not exist."),
     "T214": ("two tests with one title", "Results are told apart by rule and title."),
     "T215": ("a failed test", "A test failed, or could not be run. It is shown at every requirement that the rule satisfies."),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.records.specs import SpecItem, SpecTest
-from trackmarshal.records.tests import not_on_it
+from trackmarshal.records.tests import apart, not_on_it
 from trackmarshal.trace.findings import Finding, Place, did_you_mean, error, warning
 from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
@@ -49,6 +49,7 @@ def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding
             "T211", f"{said} has no test", item_place(item), f'write one: `test {item.name} "..."`', item.name
         )
         return
+    tests, again = apart(tests, lambda test: test.fingerprint)
     on_it, beside = _on_boundary(tests, spec)
     have = {
         "satisfied": sum(test.expects == "satisfied" for test in tests),
@@ -66,6 +67,7 @@ def _item(item: SpecItem, needs: dict[str, int], spec: Spec) -> Iterator[Finding
                 counted = f"no test {wording[verdict]}"
             else:
                 counted = f"{have[verdict]} of {number} tests {wording[verdict].replace('expects', 'expect')}"
+                counted = "; ".join([counted, *again])
             help_ = "a rule is tested on both sides of its boundary and, where it compares numbers, on it"
             if verdict == "boundary":
                 counted = "; ".join([counted, *beside])

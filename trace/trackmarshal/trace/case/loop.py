@@ -11,8 +11,7 @@ from typing import Any, NoReturn
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
-from trackmarshal.json_text import named_twice
-from trackmarshal.records import strict
+from trackmarshal.json_text import named_twice, strict
 
 FORMAT, VERSION = "trackmarshal-closed-loop", 1
 #: What became of a car, from best to worst, with the status that it looks like.
