@@ -21,8 +21,9 @@ CODES = {
     "E402": (
         "a configuration that does not fit",
         "A configuration is a module whose parameters, tables, zones and lines replace those of the same name in the spec; each "
-        "must exist there, in one module of those that rules, constraints and what they rest on read, with the same unit's dimension, and lie inside the range that the spec declares. Rules, constraints and whatever "
-        "else demands something would not be in force there, and are refused.",
+        "must exist there, in one module of those that rules, constraints and what they rest on read, with the same unit's dimension, and lie inside the "
+        "range that the spec declares. Of a folder, no two modules set one name otherwise. Rules, constraints and whatever else demands something would "
+        "not be in force there, and are refused.",
     ),
 }
 
@@ -67,6 +68,7 @@ def configure(spec: Spec, settings: Spec) -> Spec:
     for kind, target, source in kinds:
         for info in source.values():
             _refuse_several(spec, settings, kind, target, info)
+            _refuse_contradicted(kind, source, info)
             _replace(kind, target, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
     for setting in (*params.values(), *tables.values(), *places.values()):
@@ -217,6 +219,31 @@ def _refuse_several(
             line=info.span.line,
             help="rename all but the one that the configuration is to replace",
         )
+
+
+def _refuse_contradicted(
+    kind: str,
+    source: Mapping[str, ParamInfo | TableInfo | PlaceInfo],
+    info: ParamInfo | TableInfo | PlaceInfo,
+) -> None:
+    """Raise E402 where another module of a configuration, such as of a folder of vehicles, sets the same name otherwise: nobody said which one counts."""
+    short = short_name(info)
+    for other in source.values():
+        if short_name(other) == short and _set(other) != _set(info):
+            raise TrackmarshalError(
+                "E402",
+                f"{kind} `{short}` is set otherwise at {other.span}, in the same configuration",
+                file=f"{info.span.file.path}",
+                line=info.span.line,
+                help="name the one file that is to count; of several that are named one by one, the last one does",
+            )
+
+
+def _set(info: ParamInfo | TableInfo | PlaceInfo) -> object:
+    """What a configuration sets, in SI."""
+    if isinstance(info, ParamInfo):
+        return info.value
+    return (info.knots, info.values, info.across) if isinstance(info, TableInfo) else info.points
 
 
 def _replace(kind: str, target: dict[str, Any], info: ParamInfo | TableInfo | PlaceInfo) -> None:

@@ -148,6 +148,37 @@ def test_a_configuration_may_use_what_its_values_are_made_of(spec: Path, tmp_pat
     assert made.params["rules.v_max"].value == 15.0
 
 
+@pytest.mark.parametrize(
+    ("slow", "fast"),
+    [
+        ("param v_max : m/s = 5 m/s", "param v_max : m/s = 49 m/s"),
+        ("table grip(v: m/s) -> 1 = linear clamp | 0 m/s: 1 |", "table grip(v: m/s) -> 1 = linear clamp | 0 m/s: 2 |"),
+        ("zone pit = polygon (0 m, 0 m) (1 m, 0 m) (1 m, 1 m)", "zone pit = polygon (0 m, 0 m) (9 m, 0 m) (9 m, 9 m)"),
+    ],
+)  # fmt: skip
+def test_a_folder_of_vehicles_is_no_configuration(slow: str, fast: str, tmp_path: Path) -> None:
+    """Of two files of a folder that set one name, the last one by their names counted: a car that was partly each of them."""
+    spec = tmp_path / "rules.spec"
+    spec.write_text(f"{SPEC}{slow}\n".replace("param v_max : m/s = 5 m/s\n", ""), "utf-8")
+    cars = tmp_path / "cars"
+    cars.mkdir()
+    for name, said in (("a", slow), ("b", fast)):
+        (cars / f"{name}.spec").write_text(f"module {name}\n{said}\n", "utf-8")
+    with pytest.raises(TrackmarshalError, match=r"E402.*is set otherwise at .*b\.spec:2") as found:
+        load(spec, [cars])
+    assert (found.value.file, found.value.line) == (str(cars / "a.spec"), 2)
+    (cars / "b.spec").write_text(f"module b\n{slow}\n", "utf-8")
+    assert load(spec, [cars])
+
+
+def test_of_configurations_that_are_named_one_by_one_the_last_one_counts(spec: Path, tmp_path: Path) -> None:
+    for name, speed in (("dry", 49), ("wet", 20)):
+        (tmp_path / f"{name}.spec").write_text(f"module {name}\nparam v_max : m/s = {speed} m/s\n", "utf-8")
+    dry, wet = tmp_path / "dry.spec", tmp_path / "wet.spec"
+    assert load(spec, [dry, wet]).params["rules.v_max"].value == 20.0
+    assert load(spec, [wet, dry]).params["rules.v_max"].value == 49.0
+
+
 def test_a_module_of_the_spec_may_be_the_configuration(tmp_path: Path) -> None:
     (tmp_path / "a.spec").write_text("module a\nparam w : m = 3 m\nrule odd require w > 1 m\n")
     (tmp_path / "b.spec").write_text("module b\nparam w : m = 2 m\nrule even require w > 1 m\n")
