@@ -49,7 +49,10 @@ class Signals(Constants):
                 return self.expressions.each(lambda element: self._record(signal, element), elements)
         if signal.sequence:
             columns = self._columns(signal, entry.value)
-            self.expressions.each(lambda change: self._change(signal, columns, change), entry.changes)
+            self.expressions.each(
+                lambda one: self._change(signal, columns, one[1], entry.changes[: one[0]]),
+                enumerate(entry.changes),
+            )
             return columns
         if signal.kind == "state":
             return self._record(signal, entry.value)
@@ -123,8 +126,13 @@ class Signals(Constants):
                 )
         return columns
 
-    def _change(self, signal: SignalType, columns: dict[str, Any], change: ast.Change) -> None:
+    def _change(
+        self, signal: SignalType, columns: dict[str, Any], change: ast.Change, before: Sequence[ast.Change]
+    ) -> None:
         field = self._field(signal, change.field, change.span)
+        if any(_undoes(change, other) for other in before):
+            called = change.field if change.index is None else f"{change.field}[{change.index}]"
+            self.fail(change.span, f"`{called}` undoes a change that stands before it", "keep one of them")
         count = max((len(column) for column in columns.values()), default=0)
         default = bool(field.default) if field.kind == "bool" and field.default is not None else field.default
         column = list(columns.get(change.field, [default] * count))
@@ -269,6 +277,13 @@ class Signals(Constants):
                 BadGiven(**{**item.__dict__, "hint": comma}) if comma and isinstance(item, BadGiven) else item
                 for item in first.values()
             ]
+
+
+def _undoes(change: ast.Change, before: ast.Change) -> bool:
+    """Whether nothing is left of an earlier change: of a whole column, samples may differ."""
+    if change.field != before.field or change.index is None:
+        return change.field == before.field
+    return before.index is not None and float(change.index) == float(before.index)
 
 
 def _decimal_comma(values: Sequence[ast.Expr]) -> str:
