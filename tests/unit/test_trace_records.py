@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +64,8 @@ EXTERNAL = ExternalTest(
 )
 def test_round_trip(holds: str, record: Record, tmp_path: Path) -> None:
     path = tmp_path / "results" / "file.json"
-    file = ResultsFile(holds, (record, record), "0.1.0", "2026-06-01T12:00:00+00:00")
+    second = replace(record, scenario="another one") if isinstance(record, RunSummary) else record
+    file = ResultsFile(holds, (record, second), "0.1.0", "2026-06-01T12:00:00+00:00")
     results_file.save(path, file)
     assert results_file.load(path) == file
     assert [p.name for p in path.parent.iterdir()] == ["file.json"]  # no draft is left behind
@@ -123,6 +125,11 @@ def changed(record: Any, **fields: Any) -> dict[str, Any]:
         ),
         ("runs", changed(RUN, ground_truth={"dynamic": {}}), "ground truth: `inside` is missing"),
         ("runs", changed(RUN, ground_truth=[]), "`ground_truth` must be an object, not a list"),
+        (
+            "runs",
+            changed(RUN, rules=[{"rule": "a", "fingerprint": "b", "counts": {}}] * 2),
+            "run summary: the rule `a` is there twice",
+        ),
         ("runs", [], "run summary: an object is expected, not a list"),
         ("opinions", {}, "`holds` is `opinions`"),
     ],
@@ -143,6 +150,15 @@ def test_what_is_no_record_is_refused(holds: str, data: object, said: str, tmp_p
     assert caught.value.code == "T290"
     assert caught.value.file == "out/results/file.json"
     assert said in caught.value.message
+
+
+def test_two_runs_of_one_scenario_in_a_file_are_refused(tmp_path: Path) -> None:
+    """As a merge leaves them: the one that was made last counted, whatever the other one had found."""
+    path = tmp_path / "drive.json"
+    later = replace(RUN, created="2999-01-01T00:00:00+00:00", fired=not RUN.fired)
+    results_file.save(path, ResultsFile("runs", (RUN, later), "0", ""))
+    with pytest.raises(TrackmarshalError, match=f"T290.*two runs of `{RUN.scenario}`"):
+        results_file.load(path)
 
 
 @pytest.mark.parametrize(

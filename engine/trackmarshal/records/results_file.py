@@ -10,7 +10,7 @@ from typing import Any
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular, write_whole
-from trackmarshal.json_text import strict
+from trackmarshal.json_text import named_twice, strict
 from trackmarshal.records.faults import FaultCase, FaultResult
 from trackmarshal.records.fields import HELP, Fields, refused
 from trackmarshal.records.runs import RunSummary
@@ -70,6 +70,9 @@ class ResultsFile:
             raise refused(f"version {version} is newer than this program, which reads up to {VERSION}")
         holds = f.word("holds", tuple(_READERS))
         items = tuple(_READERS[holds](item) for item in f.array("items"))
+        twice = named_twice(item.scenario for item in items if isinstance(item, RunSummary))
+        if twice is not None:
+            raise refused(f"two runs of `{twice}`, and nothing says which one counts")
         return cls(holds, items, f.text("tool_version"), f.text("created"))
 
 

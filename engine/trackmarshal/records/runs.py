@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from trackmarshal.json_text import named_twice
 from trackmarshal.records.fields import Fields, refused
 from trackmarshal.records.specs import VERDICTS
 
@@ -170,9 +171,12 @@ class RunSummary:
     @classmethod
     def from_json(cls, data: object) -> RunSummary:
         f = Fields(data, "run summary")
+        rules = tuple(RuleFacts.from_json(item) for item in f.array("rules"))
+        twice = named_twice(facts.rule for facts in rules)
+        if twice is not None:
+            raise refused(f"run summary: the rule `{twice}` is there twice")
         return cls(
-            f.text("scenario"), f.text("source_hash"), f.text("spec_fingerprint"), f.count("cycles"),
-            tuple(RuleFacts.from_json(item) for item in f.array("rules")),
+            f.text("scenario"), f.text("source_hash"), f.text("spec_fingerprint"), f.count("cycles"), rules,
             {kind: TruthFacts.from_json(item) for kind, item in f.table("ground_truth").items()},
             f.flag("fired"), f.text("created"), f.words("made_from"),
             f.texts("uncovered"), f.words("inputs"), f.texts("overrides"), f.words("defaults"), f.ranges("ranges"),
