@@ -238,6 +238,7 @@ BAD_ARCHIVES: dict[str, tuple[bytes, str]] = {
     "no ZIP": (b"time;x;y", "D122"),
     "nothing": (b"", "D122"),
     "cut off": (packed(("scene.scn", TEXT))[:-30], "D122"),
+    "two in one": (packed(("scene.scn", scn(row(9.0)).encode())) + packed(("scene.scn", TEXT)), "D122"),
     "one bit changed": (damaged(flip), "D122"),
     "a size that is not true": (damaged(lie), "D122"),
     "a size that is not reached": (damaged(boast), "D122"),

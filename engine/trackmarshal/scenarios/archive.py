@@ -37,6 +37,12 @@ class Archive:
             self._zip = zipfile.ZipFile(io.BytesIO(data))
         except (*_DAMAGE, NotImplementedError) as error:
             raise self._error("D122", f"the archive is damaged: {error}", _FETCH) from error
+        before = min((m.header_offset for m in self._zip.infolist()), default=0)
+        if (
+            before
+        ):  # the directory at the end knows nothing of the first of two archives that were put together
+            message = f"{before} bytes stand before the first part that the archive names, and would be lost"
+            raise self._error("D122", message, "are these two archives in one? Give each by itself")
         self._members = [m for m in self._zip.infolist() if not self._is_ballast(m)]
         if len(self._members) > MAX_MEMBERS:
             raise content.too_large(shown, f"{len(self._members)} parts", MAX_MEMBERS)
