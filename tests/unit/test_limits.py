@@ -227,6 +227,20 @@ def test_the_fault_says_which_limit_to_raise_and_to_what(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_set_is_held_to_the_limit_where_another_one_declares_a_capacity(backend: str) -> None:
+    """`objects` declare `capacity 32`: generated C, which has room for as many of each set, took as many obstacles."""
+    changes = {"elements": 3, "budget": math.inf}
+
+    def faults(obstacles: int) -> list[str]:
+        made = tm.supervisor(shipped(), ["obstacle_collision"], backend, changes, lambda: 0.0)
+        return [fault.message for fault in made.step(cycle(0, 4, obstacles)).faults]
+
+    assert [faults(count) for count in (2, 3)] == [[], []]
+    for count in (4, 5):
+        assert faults(count) == [f"{count} elements, room for 3: raise the limit `elements` to {count}"]
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_real_plan_of_115_samples_passes_by_default(backend: str) -> None:
     made = tm.supervisor(shipped(), ["speed_limit"], backend, {"budget": math.inf}, lambda: 0.0)
     assert made.step(replace(cycle(0), driving=plan(0.0, 0.0, samples=115))).faults == ()

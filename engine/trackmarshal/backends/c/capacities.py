@@ -13,6 +13,7 @@ from trackmarshal.runtime.cycle import Limits
 CAPACITIES = {
     "TM_MAX_SAMPLES": (128, "samples of a timeline"),
     "TM_MAX_ELEMENTS": (32, "elements of a set"),
+    "TM_LIMIT_ELEMENTS": (32, "elements of a set that declares no capacity: the limit `elements`"),
     "TM_MAX_BORDER": (2048, "points of a border, or of a line that is a signal"),
     "TM_MAX_PLACE": (64, "points of a zone or line of the spec"),
     "TM_MAX_KNOTS": (64, "rows of a table"),
@@ -23,7 +24,7 @@ CAPACITIES = {
 }
 #: Capacities that are limits of a Supervisor, by their names there.
 _LIMITS = {
-    "TM_MAX_SAMPLES": "samples", "TM_MAX_ELEMENTS": "elements", "TM_MAX_BORDER": "border", "TM_MAX_RATE": "rate",
+    "TM_MAX_SAMPLES": "samples", "TM_LIMIT_ELEMENTS": "elements", "TM_MAX_BORDER": "border", "TM_MAX_RATE": "rate",
 }  # fmt: skip
 
 
@@ -50,6 +51,8 @@ def capacities(plan: Layout, supervised: Supervised | None = None) -> list[str]:
         found.append("TM_MAX_SAMPLES")
     if any(not signal.sequence for signal in inputs):
         found.append("TM_MAX_ELEMENTS")
+        if supervised is not None and supervised.limited:
+            found.append("TM_LIMIT_ELEMENTS")
     kinds = {shape.kind for shape in plan.shapes.values()}
     if kinds & {"corridor", "centre", "signal"} or (supervised is not None and supervised.borders):
         found.append("TM_MAX_BORDER")
@@ -77,6 +80,7 @@ def of_limits(spec: Spec, limits: Mapping[str, float], knots: int = 0) -> dict[s
     return {
         "TM_MAX_SAMPLES": int(limits["samples"]),
         "TM_MAX_ELEMENTS": elements(spec, int(limits["elements"])),
+        "TM_LIMIT_ELEMENTS": int(limits["elements"]),
         "TM_MAX_BORDER": int(limits["border"]),
         "TM_MAX_RATE": int(limits["rate"]),
         "TM_MAX_PLACE": max(CAPACITIES["TM_MAX_PLACE"][0], *(len(p.points) for p in spec.places.values()), 0),

@@ -52,24 +52,24 @@ class Helpers:
         return self._names[key]
 
 
-def constants_of(check: Check) -> dict[str, str]:
+def constants_of(check: Check, capacities: Mapping[str, str] = CAPACITIES) -> dict[str, str]:
     """C of a check's constants, by name."""
     return {
-        name: f"(double){CAPACITIES[value]}" if isinstance(value, str) else literal(value)
+        name: f"(double){capacities[value]}" if isinstance(value, str) else literal(value)
         for name, value in check.constants
     }
 
 
-def condition(check: Check, names: Mapping[str, str]) -> str:
-    return check.kind.holds.c({**names, **constants_of(check)})
+def condition(check: Check, names: Mapping[str, str], capacities: Mapping[str, str]) -> str:
+    return check.kind.holds.c({**names, **constants_of(check, capacities)})
 
 
-def capacity(check: Check) -> str:
+def capacity(check: Check, capacities: Mapping[str, str]) -> str:
     """The index of a fault of a length: the capacity, where it is one."""
     most = dict(check.constants).get("most") if check.kind.fault == "over_capacity" else None
     if most is None:
         return "TM_NOWHERE"
-    return CAPACITIES[most] if isinstance(most, str) else f"{int(most)}u"
+    return capacities[most] if isinstance(most, str) else f"{int(most)}u"
 
 
 def _signature(name: str, given: str, constants: Sequence[Sequence[str]]) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from trackmarshal.backends.c.layout import Input, Layout, layout
 from trackmarshal.backends.c.names import distinct
+from trackmarshal.backends.c.supervised.checks import CAPACITIES
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.spec import RuleInfo, Spec
@@ -48,6 +49,18 @@ class Supervised:
     def lanes(self) -> list[Signal]:
         """Sets of lanes, each of which has two borders; they are inputs, too."""
         return [signal for signal in self.inputs if signal.lines]
+
+    @property
+    def limited(self) -> bool:
+        """Whether some sets are held to the limit `elements` while there is room for more in others, which declare a capacity."""
+        return (
+            len({signal.capacity is None for signal in self.layout.spec.signals.values() if signal.many}) == 2
+        )
+
+    @property
+    def capacities(self) -> dict[str, str]:
+        """What capacities of limits are called in C."""
+        return {**CAPACITIES, "elements": "TM_LIMIT_ELEMENTS"} if self.limited else CAPACITIES
 
     @property
     def events(self) -> list[Signal]:

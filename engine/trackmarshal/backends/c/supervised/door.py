@@ -46,15 +46,15 @@ class Door:
     def _signal(self, signal: Signal, c_name: str) -> Iterator[str]:
         """A timeline, set or record."""
         fields = {info.name: name for info, name in self._input(signal).items()}
-        record = signal.form == RECORD
+        record, capacities = signal.form == RECORD, self._given.capacities
         yield f"/* What `{comment(signal.name)}` has to be: its length, then its fields one by one. */"
         yield f"static void tm_signal_{c_name}(const tm_in_{c_name} *in, const char *signal, tm_look *look)"
         yield "{"
         yield "  if (in == NULL) {"
         yield f"    {breach('missing', 'signal', _NO_FIELD)}"
         for check in signal.checks:
-            yield f"  }} else if (!{condition(check, {'n': '1.0' if record else '(double)in->count'})}) {{"
-            yield f"    {breach(check.kind.fault, 'signal', _NO_FIELD, capacity(check))}"
+            yield f"  }} else if (!{condition(check, {'n': '1.0' if record else '(double)in->count'}, capacities)}) {{"
+            yield f"    {breach(check.kind.fault, 'signal', _NO_FIELD, capacity(check, capacities))}"
         yield "  } else {"
         for field in (*signal.numbers, *signal.flags):
             sort = "flags" if field.kind == "bool" else "numbers"

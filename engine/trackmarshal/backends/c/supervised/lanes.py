@@ -47,7 +47,7 @@ def lanes_of(given: Supervised, signal: Signal) -> Iterator[str]:
     fits = " && ".join(
         [
             "(in->count <= TM_MAX_ELEMENTS)",
-            *(condition(check, {"n": "(double)in->count"}) for check in signal.checks),
+            *(condition(check, {"n": "(double)in->count"}, given.capacities) for check in signal.checks),
         ]
     )
     yield f'  if ((in == NULL) || !({fits}) || tm_named(cycle, signal, "")) {{'
