@@ -6,6 +6,7 @@ import inspect
 import math
 import struct
 from itertools import product
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -154,6 +155,13 @@ def test_functions_of_our_own_are_there() -> None:
     for name in FUNCTIONS:
         function, _ = called(name)
         assert not function.startswith("tm_") or function in parts.functions()
+
+
+def test_every_file_of_c_is_listed() -> None:
+    """Its functions would be in no program."""
+    folder = Path(parts.__file__).parent
+    there = {path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.c")}
+    assert there == {*parts.FILES, parts.STEP.stem}
 
 
 @pytest.mark.parametrize("op", COMPARISONS)

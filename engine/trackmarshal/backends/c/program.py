@@ -132,12 +132,8 @@ class CProgram(Stateless):
     def anew(self) -> CProgram:
         """The same program, which remembers nothing yet."""
         made = copy(self)
-        made._changed, made._library, made._places, made.numbering = (
-            set(),
-            None,
-            None,
-            Numbering(lasting(self.spec)),
-        )
+        made._changed, made._library, made._places = set(), None, None
+        made.numbering = Numbering(lasting(self.spec))
         return made
 
     def remember(self, frame: Frame, driven: bool) -> None:
