@@ -10,9 +10,9 @@ from typing import Any
 
 from trackmarshal.backends.c.build import DIGITS, UNSIGNALLED
 from trackmarshal.backends.c.cycles import FORMAT, FOUND, LETTERS, VERSION, digest, label
-from trackmarshal.backends.c.layout import Input
+from trackmarshal.backends.c.layout import Input, is_lanes
 from trackmarshal.backends.c.names import comment, distinct
-from trackmarshal.backends.c.places import bordered, is_lanes, setter_names, sources
+from trackmarshal.backends.c.places import bordered, setter_names, sources
 from trackmarshal.backends.c.rendering import render
 from trackmarshal.backends.c.source import Source
 from trackmarshal.backends.c.supervised.contract import Supervised
@@ -111,7 +111,10 @@ def _constant(source: Source) -> dict[str, Any]:
     plan = source.plan
     setters = setter_names(plan)
     places = [
-        ({"setter": setters[name], "name": _text(name), "lanes": is_lanes(plan, name)}, bordered(plan, name))
+        (
+            {"setter": setters[name], "name": _text(name), "lanes": is_lanes(plan.spec, name)},
+            bordered(plan, name),
+        )
         for name in sources(plan)
     ]
     inputs = list(plan.inputs.values())

@@ -192,9 +192,9 @@ def shape_key(item: ir.Line | ir.Area | ir.OnLane) -> tuple[str, str, str]:
     return (item.kind, item.name, item.field if isinstance(item, ir.Line) else "")
 
 
-def _is_lanes(spec: Spec, key: tuple[str, str, str]) -> bool:
-    """Whether there is one for each lane of a set."""
-    return key[1] in spec.signals and spec.signals[key[1]].many
+def is_lanes(spec: Spec, name: str) -> bool:
+    """Whether a signal or place is a set of lanes."""
+    return name in spec.signals and spec.signals[name].many
 
 
 def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> Layout:
@@ -272,7 +272,7 @@ def layout(spec: Spec, rules: Sequence[RuleInfo], whole: Sequence[str] = ()) -> 
     order = sorted(shapes)
     c_names = distinct(".".join(part for part in key if part) for key in order)
     for key, c_name in zip(order, c_names.values(), strict=True):
-        result.shapes[key] = Shape(key, c_name, key[0], shapes[key], _is_lanes(spec, key))
+        result.shapes[key] = Shape(key, c_name, key[0], shapes[key], is_lanes(spec, key[1]))
     rules_ = distinct((rule.name for rule in result.rules), endings=_ENDINGS)
     result.rule_names = {name: c_name.lower() for name, c_name in rules_.items()}
     return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from trackmarshal.backends.c.layout import Layout, Shape
+from trackmarshal.backends.c.layout import Layout, Shape, is_lanes
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.ir import nodes as ir
 
@@ -45,14 +45,9 @@ def bordered(plan: Layout, name: str) -> bool:
     return signal is not None and (signal.kind == "corridor" or signal.many)
 
 
-def is_lanes(plan: Layout, name: str) -> bool:
-    """Whether a signal or place is a set of lanes."""
-    return name in plan.spec.signals and plan.spec.signals[name].many
-
-
 def lanes(plan: Layout) -> list[str]:
     """The sets of lanes whose borders rules read."""
-    return [name for name in sources(plan) if is_lanes(plan, name)]
+    return [name for name in sources(plan) if is_lanes(plan.spec, name)]
 
 
 def ordered(plan: Layout) -> list[str]:

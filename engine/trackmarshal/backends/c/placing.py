@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from itertools import chain
 from typing import Any
 
-from trackmarshal.backends.c.layout import Layout
+from trackmarshal.backends.c.layout import Layout, is_lanes
 from trackmarshal.backends.c.library import Library
-from trackmarshal.backends.c.places import bordered, is_lanes, lanes, ordered
+from trackmarshal.backends.c.places import bordered, lanes, ordered
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.lines import Line
@@ -39,7 +39,7 @@ class PlaceSetter:
         for each in self._lanes:
             each.put(case)
         for index, name in enumerate(self._names):
-            if is_lanes(self._plan, name):
+            if is_lanes(self._plan.spec, name):
                 continue
             given = self._given(case, name)
             before = self._now[index]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from trackmarshal.backends.c.layout import Layout, Shape
+from trackmarshal.backends.c.layout import Layout, Shape, is_lanes
 from trackmarshal.backends.c.names import comment
 from trackmarshal.backends.c.places import (
     bordered,
-    is_lanes,
     lanes,
     ordered,
     own_places,
@@ -28,7 +27,7 @@ def _signatures(plan: Layout) -> Iterator[tuple[str, str, str]]:
         else:
             borders = "const double *left, size_t left_count, const double *right, size_t right_count"
             what = f"Set the line `{comment(name)}`, x"
-            if is_lanes(plan, name):
+            if is_lanes(plan.spec, name):
                 given = f"size_t lane, {borders}"
                 what = f"Set the borders of one of `{comment(name)}`, by its number, x"
             elif bordered(plan, name):
@@ -51,7 +50,7 @@ def calls(plan: Layout, members: dict[tuple[str, str], str]) -> dict[str, str]:
     names = setter_names(plan)
     found = {}
     for name in sources(plan):
-        if is_lanes(plan, name):  # each lane by itself: see `lanes`
+        if is_lanes(plan.spec, name):  # each lane by itself: see `lanes`
             continue
         lines = ("left", "right") if bordered(plan, name) else ("",)
         given = [f"in->{members[name, line]}" for line in lines]
@@ -71,7 +70,7 @@ def setters(plan: Layout, supervised: bool = False) -> Iterator[str]:
         yield "{"
         yield "  tm_status worst = TM_OK;"
         yield "  tm_status status;"
-        many = is_lanes(plan, name)
+        many = is_lanes(plan.spec, name)
         if many:
             yield "  if (lane >= TM_MAX_ELEMENTS) {"
             yield "    return TM_OVER_CAPACITY;"
@@ -125,7 +124,7 @@ def glue(plan: Layout) -> Iterator[str]:
     yield "  (void)c; (void)left; (void)left_count; (void)right; (void)right_count; (void)closed;"
     yield "  switch (index) {"
     for i, name in enumerate(ordered(plan)):
-        if is_lanes(plan, name):
+        if is_lanes(plan.spec, name):
             continue
         args = (
             "left, left_count, right, right_count, closed != 0"
