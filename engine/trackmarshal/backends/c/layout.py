@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from typing import assert_never
 
 from trackmarshal.backends.c.courses import Course, courses_of
+from trackmarshal.backends.c.facts import Facts, Same
 from trackmarshal.backends.c.names import distinct
 from trackmarshal.backends.c.over_run.cells import Cell, cells_of
 from trackmarshal.backends.c.over_run.future import Future, future_of
 from trackmarshal.backends.c.over_run.pairs import Pairs, pairs_of
-from trackmarshal.backends.c.usage import Facts, Same
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.reads import known_again
 from trackmarshal.ir.spec import FieldType, RuleInfo, SignalType, Spec

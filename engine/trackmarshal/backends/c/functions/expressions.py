@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.facts import Value
 from trackmarshal.backends.c.functions import geometry
 from trackmarshal.backends.c.functions.naming import wanted
 from trackmarshal.backends.c.functions.operators import called, compared
@@ -12,7 +13,6 @@ from trackmarshal.backends.c.functions.quantifiers import quantify
 from trackmarshal.backends.c.functions.timelines import series
 from trackmarshal.backends.c.functions.writer import LONG, ZERO, Writer
 from trackmarshal.backends.c.names import identifier, literal
-from trackmarshal.backends.c.usage import Value
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import ConnectiveOp, FoldOp
 from trackmarshal.ir.tables import LINEAR_CLAMP

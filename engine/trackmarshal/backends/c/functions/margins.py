@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from trackmarshal.backends.c.usage import Value
+from trackmarshal.backends.c.facts import Value
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import COMPARISONS, Measure
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.facts import Value
 from trackmarshal.backends.c.functions.writer import Writer
 from trackmarshal.backends.c.names import identifier
-from trackmarshal.backends.c.usage import Value
 from trackmarshal.ir import nodes as ir
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.facts import Value
 from trackmarshal.backends.c.functions import several
 from trackmarshal.backends.c.functions.operators import called
 from trackmarshal.backends.c.functions.sweeps import sweeps
 from trackmarshal.backends.c.functions.writer import ZERO, Writer
 from trackmarshal.backends.c.names import identifier
-from trackmarshal.backends.c.usage import Value
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import RuleInfo

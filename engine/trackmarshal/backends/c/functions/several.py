@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.facts import Value
 from trackmarshal.backends.c.functions.margins import all_of, always_finite, told_by_margin
 from trackmarshal.backends.c.functions.writer import Writer
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import identifier
-from trackmarshal.backends.c.usage import Value
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme, FunctionName
 from trackmarshal.ir.spec import RuleInfo

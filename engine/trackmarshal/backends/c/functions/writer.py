@@ -6,10 +6,11 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
 
 from trackmarshal.backends.c import tree as c
+from trackmarshal.backends.c.facts import Same, Value
 from trackmarshal.backends.c.functions.slots import assign
+from trackmarshal.backends.c.functions.usage import Usage
 from trackmarshal.backends.c.layout import Layout
 from trackmarshal.backends.c.names import RESERVED, identifier, where
-from trackmarshal.backends.c.usage import Same, Usage, Value
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import deciding
