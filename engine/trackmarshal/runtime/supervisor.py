@@ -26,15 +26,7 @@ from trackmarshal.runtime.faults import Fault, fault
 from trackmarshal.runtime.frame import NO_SETTINGS, Frame, Settings
 from trackmarshal.runtime.machine import DRIVE, NO_SAFE_TRAJECTORY, PREVIOUS_EMERGENCY, Held, advance
 from trackmarshal.runtime.plan import Plan
-from trackmarshal.runtime.program import (
-    KNOWN_CODES,
-    NOTHING,
-    Judged,
-    Memory,
-    Program,
-    Rated,
-    advisory,
-)
+from trackmarshal.runtime.program import KNOWN_CODES, NOTHING, Judged, Memory, Program, Rated, advisory
 from trackmarshal.runtime.reasons import (
     Found,
     advisories,

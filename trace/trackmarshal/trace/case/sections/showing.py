@@ -5,18 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from trackmarshal.records.runs import RunSummary
-from trackmarshal.trace.case.model import (
-    Block,
-    Code,
-    Fixed,
-    Given,
-    Line,
-    Made,
-    Number,
-    Part,
-    Section,
-    Status,
-)
+from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Made, Number, Part, Section, Status
 from trackmarshal.trace.case.sections import driven, injected, looped
 from trackmarshal.trace.case.writing import EMPTY, Writing, given, joined, written
 from trackmarshal.trace.cells import STATUSES
