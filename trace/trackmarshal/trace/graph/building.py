@@ -72,13 +72,8 @@ class _Nodes:
         for stage in self.project.stages:
             self._node("stage", stage.id, stage.title, stage.id.place, {"counts": ", ".join(stage.counts)})
         for interface in self.project.interfaces:
-            self._node(
-                "interface",
-                interface.id,
-                interface.title,
-                interface.id.place,
-                {"rationale": interface.rationale},
-            )
+            said = {"rationale": interface.rationale}
+            self._node("interface", interface.id, interface.title, interface.id.place, said)
             for issue in interface.issues:
                 self._node("issue", issue.id, issue.text, issue.id.place, {"interface": str(interface.id)})
 
@@ -108,14 +103,11 @@ class _Nodes:
                 self._node(kind, name, "", None, {})
         for test in self.spec.tests:
             result = self.spec.results.get((test.rule, test.title))
-            outcome = (
-                "not run" if result is None else "stale" if self.spec.staleness(result) else result.outcome
-            )
-            attributes = {
-                "expects": test.expects,
-                "boundary": "yes" if test.boundary else "no",
-                "outcome": outcome,
-            }
+            outcome = "not run" if result is None else result.outcome
+            if result is not None and self.spec.staleness(result):
+                outcome = "stale"
+            boundary = "yes" if test.boundary else "no"
+            attributes = {"expects": test.expects, "boundary": boundary, "outcome": outcome}
             named = f"{test.rule}: {test.title}"
             self._node("test", named, test.title, item_place(test), attributes, test.fingerprint)
         for result in self.spec.results.values():
@@ -145,18 +137,9 @@ class _Nodes:
 
     def _runs(self) -> None:
         for scenario in self.project.scenarios:
-            attributes = {
-                "stage": str(scenario.stage),
-                "expect": str(scenario.expect),
-                "origin": str(scenario.origin),
-            }
-            told = [
-                str(scenario.expect),
-                str(scenario.origin),
-                *sorted(map(str, scenario.by)),
-                "",
-                *map(str, scenario.specs),
-            ]
+            expect, origin = str(scenario.expect), str(scenario.origin)
+            attributes = {"stage": str(scenario.stage), "expect": expect, "origin": origin}
+            told = [expect, origin, *sorted(map(str, scenario.by)), "", *map(str, scenario.specs)]
             says = " ".join([*told, self.hashes.get(str(scenario.path)) or ""])
             self._node("scenario", scenario.path, scenario.title, scenario.path.place, attributes, says)
         scenarios = {str(scenario.path): scenario for scenario in reversed(self.project.scenarios)}
@@ -185,14 +168,8 @@ class _Nodes:
             if put_in is not None:
                 attributes["sha256"] = _record(put_in)
                 attributes |= dict(_found(case, put_in))
-            self._node(
-                "fault",
-                f"{case.campaign} {case.id}",
-                case.title,
-                Place(case.campaign, case.line),
-                attributes,
-                case.says,
-            )
+            name, place = f"{case.campaign} {case.id}", Place(case.campaign, case.line)
+            self._node("fault", name, case.title, place, attributes, case.says)
 
     def _outside(self) -> None:
         for external in worst(self.around.tests):

@@ -46,16 +46,14 @@ class Linking:
             self._links_of_item(item)
         self._links_of_evidence()
         for entry in self.project.entries:
-            self._given(
-                self._at((entry.kind, str(entry.id)), entry.id.place), entry.links, dict(entry.versions)
-            )
+            key = self._at((entry.kind, str(entry.id)), entry.id.place)
+            self._given(key, entry.links, dict(entry.versions))
         self._double = False
         for waiver in self.project.waivers:
-            self._fitting("excuses", ("waiver", str(waiver.id)), waiver.requirements, waiver.id.place)
-            self._owner(("waiver", str(waiver.id)), str(waiver.owner), waiver.id.place)
-            self._owner(
-                ("waiver", str(waiver.id)), str(waiver.approver), waiver.approver.place, "approved_by"
-            )
+            key = ("waiver", str(waiver.id))
+            self._fitting("excuses", key, waiver.requirements, waiver.id.place)
+            self._owner(key, str(waiver.owner), waiver.id.place)
+            self._owner(key, str(waiver.approver), waiver.approver.place, "approved_by")
         return self.found
 
     def _links_of_the_system(self) -> None:
@@ -69,20 +67,14 @@ class Linking:
                 self._link("found_at", key, ("interface", name), issue.id.place)
                 for target in issue.leads_to:
                     answer = self.project.by_id.get(target)
-                    state = (
-                        "orphaned"
-                        if answer is None
-                        else "covers"
-                        if name in answer.derived_from
-                        else "unwanted"
-                    )
+                    state = _answered(answer is not None, answer is not None and name in answer.derived_from)
                     self._link("leads_to", key, ("requirement", str(target)), target.place, state)
 
     def _links_of(self, r: Requirement) -> None:
         key = self._at(("requirement", str(r.id)), r.place)
         for source in r.derived_from:
             interface = self._leading.get(source)
-            state = "orphaned" if interface is None else "covers" if r.id in interface else "unwanted"
+            state = _answered(interface is not None, interface is not None and r.id in interface)
             self._link("derived_from", key, ("interface", str(source)), source.place, state)
         for parent in r.refines:
             self._link("refines", key, ("requirement", str(parent)), parent.place)
@@ -92,8 +84,7 @@ class Linking:
                 item = self.spec.by_name.get(name)
                 there = item is not None and KIND[item.kind] == target
                 answered = there and item is not None and any(ref.id == r.id for ref in item.satisfies)
-                state = "covers" if answered else "unwanted" if there else "orphaned"
-                self._link(kind, key, (target, str(name)), name.place, state)
+                self._link(kind, key, (target, str(name)), name.place, _answered(there, answered))
         self._given(key, r.links)
 
     def _links_of_item(self, item: SpecItem) -> None:
@@ -104,7 +95,7 @@ class Linking:
             self._link("satisfies", key, ("requirement", ref.id), place)
         for ref in item.assuming:
             target = self.spec.by_name.get(ref.id)
-            state = "orphaned" if target is None else "covers" if target.kind == "assume" else "unwanted"
+            state = _answered(target is not None, target is not None and target.kind == "assume")
             self._link("assuming", key, ("assumption", ref.id), Place(item.file, ref.line, ref.column), state)
         for kind, name in uses(item):
             self._link("uses", key, (kind, name), item_place(item))
@@ -119,12 +110,8 @@ class Linking:
         for part in self.spec.parts:
             for name in part.of:
                 kind = "table" if ("table", name) in self.nodes else "parameter"
-                self._link(
-                    "restricts",
-                    (USED[part.kind], part.name),
-                    (kind, name),
-                    Place(part.file, part.line, part.column),
-                )
+                place = Place(part.file, part.line, part.column)
+                self._link("restricts", (USED[part.kind], part.name), (kind, name), place)
         for test in self.spec.tests:
             item = self.spec.by_name.get(test.rule)
             target = ("rule" if item is None else KIND[item.kind], test.rule)
@@ -134,32 +121,21 @@ class Linking:
             state = "outdated" if ("test", key) in self.nodes and self.spec.staleness(result) else ""
             self._link("result", ("result", key), ("test", key), place, state)
         for scenario in self.project.scenarios:
-            self._link(
-                "at", ("scenario", str(scenario.path)), ("stage", str(scenario.stage)), scenario.stage.place
-            )
+            shown = ("scenario", str(scenario.path))
+            self._link("at", shown, ("stage", str(scenario.stage)), scenario.stage.place)
             named = [pattern for pattern in scenario.requirements if pattern != "*"]
-            self._fitting("shows", ("scenario", str(scenario.path)), named, scenario.path.place)
+            self._fitting("shows", shown, named, scenario.path.place)
         for run in self.spec.runs.values():
-            ran, place = ("run", run.scenario), Place(run.scenario)
-            stale = self.nodes[ran].attributes["outcome"] == "stale"
-            self._link(
-                "replays",
-                ran,
-                ("scenario", run.scenario),
-                place,
-                "outdated" if stale and ("scenario", run.scenario) in self.nodes else "",
-            )
+            ran, replayed, place = ("run", run.scenario), ("scenario", run.scenario), Place(run.scenario)
+            state = "outdated" if self.nodes[ran].attributes["outcome"] == "stale" else ""
+            self._link("replays", ran, replayed, place, state if replayed in self.nodes else "")
             for facts in run.rules:
                 item = self.spec.by_name.get(facts.rule)
                 if item is not None and facts.number("satisfied", "violated"):
-                    self._link(
-                        "evaluates", ran, (KIND[item.kind], item.name), place, "outdated" if stale else ""
-                    )
+                    self._link("evaluates", ran, (KIND[item.kind], item.name), place, state)
         for case in self.spec.faults:
-            put_in = ("fault", f"{case.campaign} {case.id}")
-            self._link(
-                "challenges", put_in, ("requirement", case.requirement), Place(case.campaign, case.line)
-            )
+            put_in, place = ("fault", f"{case.campaign} {case.id}"), Place(case.campaign, case.line)
+            self._link("challenges", put_in, ("requirement", case.requirement), place)
         for external in self.around.tests:
             for id_ in external.test.requirements:
                 self._link("confirms", external_key(external), ("requirement", id_), external.place)
@@ -167,12 +143,9 @@ class Linking:
             code = ("code", marker.place.file)
             self._link("implements", code, ("requirement", marker.requirement), marker.place)
         for document in self.project.evidence:
-            self._link(
-                "at", ("document", str(document.path)), ("stage", str(document.stage)), document.stage.place
-            )
-            self._fitting(
-                "evidence", ("document", str(document.path)), document.requirements, document.path.place
-            )
+            written = ("document", str(document.path))
+            self._link("at", written, ("stage", str(document.stage)), document.stage.place)
+            self._fitting("evidence", written, document.requirements, document.path.place)
 
     def _fitting(self, kind: str, key: Key, patterns: Iterable[Placed], place: Place) -> None:
         """A link to each demanded requirement that patterns fit."""
@@ -191,17 +164,11 @@ class Linking:
                 continue
             targets = LINKS[kind].targets or tuple(NODES)
             named, _, rest = target.partition(":")
-            wanted = (
-                (named.replace("-", " "), rest.strip()) if named.replace("-", " ") in NODES and rest else None
-            )
-            if wanted is not None and wanted[0] in targets:
-                end, state = wanted, ""
-            else:
+            end, state = (named.replace("-", " "), rest.strip()), ""
+            if end[0] not in targets or not rest:  # it names no kind before its id
                 fitting = [k for k in self._kinds_of.get(target, ()) if k in targets and k != "result"]
-                end, state = (
-                    (fitting[0] if fitting else targets[0], str(target)),
-                    "ambiguous" if len(fitting) > 1 else "",
-                )
+                end = (fitting[0] if fitting else targets[0], str(target))
+                state = "ambiguous" if len(fitting) > 1 else ""
             read, node = (versions or {}).get(target, ""), self.nodes.get(end)
             if not state and read and node is not None and read != version(node):
                 state = "outdated"
@@ -227,3 +194,8 @@ class Linking:
         """The record that the next links stand in. Where it is the second one with its id, it is open of which of the two they are."""
         self._double = self.nodes[key].place != place
         return key
+
+
+def _answered(there: bool, answers: bool) -> str:
+    """The state of a link whose target has to be of its kind, or to name its source: it does, is something else, or is not there."""
+    return "covers" if answers else "unwanted" if there else "orphaned"
