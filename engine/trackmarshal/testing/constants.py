@@ -62,6 +62,11 @@ class Constants:
             self.found.append(BareAngle(span_of(value), None, f"write `{text} deg` or `{text} rad`", what))
         return number
 
+    def truth(self, value: ast.Expr, what: str) -> bool:
+        if not isinstance(value, ast.Boolean):
+            self.fail(span_of(value), f"{what} is true or false")
+        return value.value
+
     def constant(
         self, value: ast.Expr, what: str, wanted: Dimension | None = None, declared: str = "", field: FieldType | None = None
     ) -> tuple[float, Dimension]:  # fmt: skip

@@ -52,15 +52,10 @@ class Expected(Constants):
 
     def _verdict(self, expect: ast.Expect) -> None:
         if expect.verdict not in VERDICTS:
-            hint = (
-                close_matches(expect.verdict, VERDICTS)
-                or f"a verdict is {', '.join(VERDICTS[:-1])} or {VERDICTS[-1]}"
-            )
-            self.fail(
-                expect.span.word(expect.verdict),
-                f"`{expect.verdict}` is no verdict that a test can expect",
-                hint,
-            )
+            known = f"a verdict is {', '.join(VERDICTS[:-1])} or {VERDICTS[-1]}"
+            problem = f"`{expect.verdict}` is no verdict that a test can expect"
+            word = expect.span.word(expect.verdict)
+            self.fail(word, problem, close_matches(expect.verdict, VERDICTS) or known)
 
     def _at(self, expect: ast.Expect, rule: RuleInfo | None) -> str | None:
         """The index, or the id of an object, at which the rule is expected to be decided."""
@@ -69,12 +64,10 @@ class Expected(Constants):
         if rule is not None and rule.formula is not None:
             variables = variables_of(rule.formula)
             if expect.binder not in variables:
-                hint = close_matches(expect.binder, variables) or (
-                    "it has " + ", ".join(variables) if variables else "it has none"
-                )
-                self.fail(
-                    expect.span.word(expect.binder), f"`{rule.name}` has no variable `{expect.binder}`", hint
-                )
+                known = "it has " + (", ".join(variables) or "none")
+                problem = f"`{rule.name}` has no variable `{expect.binder}`"
+                word = expect.span.word(expect.binder)
+                self.fail(word, problem, close_matches(expect.binder, variables) or known)
         if expect.at.startswith('"'):
             return expect.at.strip('"')
         index = index_of(expect.at)
@@ -103,9 +96,8 @@ class Expected(Constants):
             return number, None
         if unit not in units:
             listed = " and ".join(sorted(units))
-            problem = (
-                f"no comparison of `{rule.name}` is in {unit if dimension != NUMBER else 'plain numbers'}"
-            )
+            given = unit if dimension != NUMBER else "plain numbers"
+            problem = f"no comparison of `{rule.name}` is in {given}"
             self.fail(span_of(value), problem, f"its comparisons are in {listed}; 0 needs no unit")
         if rule.unit == SCALED:
             return number / dict(self.spec.scales).get(unit, 1.0), unit

@@ -32,20 +32,15 @@ class Given(Signals):
                 raise Poison  # its declaration has an error of syntax
             self._unknown(entry)
         if entry.changes and not (isinstance(item, ast.Signal) and self.spec.signals[item.name].sequence):
-            self.fail(
-                entry.changes[0].span,
-                "`with` changes columns of a timeline",
-                f"give all of `{entry.name}` in one value",
-            )
+            hint = f"give all of `{entry.name}` in one value"
+            self.fail(entry.changes[0].span, "`with` changes columns of a timeline", hint)
         many = isinstance(item, (ast.Signal, ast.Event))  # which have no module of their own
         self.meant.name(entry, item.name if many else symbol.qualified)
         match item:
             case ast.Signal():
                 case["signals"][entry.name] = self.signal(self.spec.signals[item.name], entry)
             case ast.Event():
-                if not isinstance(entry.value, ast.Boolean):
-                    self.fail(span_of(entry.value), f"the event `{item.name}` is true or false")
-                case["signals"][entry.name] = entry.value.value
+                case["signals"][entry.name] = self.truth(entry.value, f"the event `{item.name}`")
             case ast.Param():
                 info = self.spec.params.get(symbol.qualified)
                 if info is None:
@@ -78,10 +73,8 @@ class Given(Signals):
         hint = close_matches(entry.name, known) or "only what the test's module declares or uses can be given"
         problem = f"`{entry.name}` is no signal, event, parameter, table, zone or line"
         if entry.name in symbols and symbols[entry.name] is None:
-            problem, hint = (
-                f"`{entry.name}` is declared in several used modules",
-                "rename one, or use only one of the modules",
-            )
+            problem = f"`{entry.name}` is declared in several used modules"
+            hint = "rename one, or use only one of the modules"
         unknown = self.scope.unknown(entry.name, entry.span.word(entry.name), "name", "")
         if unknown.modules and entry.name not in symbols:
             self.found.append(unknown)
@@ -91,9 +84,8 @@ class Given(Signals):
     def _param_record(self, symbol: typed.Symbol, value: ast.Expr) -> dict[str, float]:
         """Some fields of a record of parameters, or all; the others stay."""
         if not isinstance(value, ast.RecordValue):
-            self.fail(
-                span_of(value), "a record is needed here", f"write `{symbol.name} = {{ field: value }}`"
-            )
+            hint = f"write `{symbol.name} = {{ field: value }}`"
+            self.fail(span_of(value), "a record is needed here", hint)
         infos = {
             info.short: info
             for info in self.spec.params.values()
@@ -115,14 +107,10 @@ class Given(Signals):
         number = self.number(value, info.unit, f"the parameter `{info.short}`")
         if not math.isfinite(number):
             self.fail(span_of(value), "a parameter is finite")
-        if (info.lower is not None and number < info.lower) or (
-            info.upper is not None and number > info.upper
-        ):
-            ends = (
-                -math.inf if info.lower is None else info.lower,
-                math.inf if info.upper is None else info.upper,
-            )
-            limits = ", ".join(digits(end, info.unit) for end in ends)
+        lower = -math.inf if info.lower is None else info.lower
+        upper = math.inf if info.upper is None else info.upper
+        if not lower <= number <= upper:
+            limits = ", ".join(digits(end, info.unit) for end in (lower, upper))
             problem = f"{in_full(number, info.unit)} is outside its range [{limits}]{'' if info.unit == '1' else ' ' + info.unit}"
             self.fail(span_of(value), problem, "", info.span.head)
         return number

@@ -32,11 +32,6 @@ _COLUMNS = {
     "v": "m/s",
     "a": "m/s^2",
 }
-_HOW = {
-    "trajectory": "for example `line(v: 20 m/s)`",
-    "corridor": "for example `straight_track(width: 12 m)`",
-    "record": "for example `{ x: 0 m, y: 0 m }`",
-}
 
 
 class Signals(Constants):
@@ -61,19 +56,14 @@ class Signals(Constants):
         if isinstance(entry.value, ast.Call):
             return self._build(entry.value, "corridor")
         if not isinstance(entry.value, ast.RecordValue):
-            self.fail(
-                span_of(entry.value),
-                "a corridor is built, or given as `{ left: [...], right: [...] }`",
-                _HOW["corridor"],
-            )
+            problem = "a corridor is built, or given as `{ left: [...], right: [...] }`"
+            self.fail(span_of(entry.value), problem, "for example `straight_track(width: 12 m)`")
         return self._entries(entry.value, self._side)
 
     def _side(self, side: str, value: ast.Expr) -> Any:
         """One entry of a corridor."""
         if side == "closed":
-            if not isinstance(value, ast.Boolean):
-                self.fail(span_of(value), "`closed` is true or false")
-            return value.value
+            return self.truth(value, "`closed`")
         if side not in ("left", "right"):
             hint = close_matches(side, ("left", "right", "closed")) or "it has left, right and closed"
             self.fail(span_of(value), f"a corridor has no `{side}`", hint)
@@ -88,25 +78,17 @@ class Signals(Constants):
                     unit = _COLUMNS[field.name]
                     if field.kind == UNKNOWN:
                         raise Poison
-                    if (
-                        field.enumeration
-                        or field.kind != "number"
-                        or parse_unit(field.unit)[2] != parse_unit(unit)[2]
-                    ):
+                    plain = field.kind == "number" and not field.enumeration
+                    if not plain or parse_unit(field.unit)[2] != parse_unit(unit)[2]:
                         problem = f"`{value.function}` gives `{field.name}` in {unit}, which does not fit its declaration"
-                        self.fail(
-                            value.span,
-                            problem,
-                            "give the columns yourself, or declare it with this dimension",
-                            field.span,
-                            declaration(f"{signal.name}.{field.name}", field, unit),
-                        )
+                        hint = "give the columns yourself, or declare it with this dimension"
+                        declared = declaration(f"{signal.name}.{field.name}", field, unit)
+                        self.fail(value.span, problem, hint, field.span, declared)
                     columns[field.name] = built[field.name]
             return columns
         if not isinstance(value, ast.RecordValue):
-            self.fail(
-                span_of(value), "a timeline is built, or given as `{ column: [...] }`", _HOW["trajectory"]
-            )
+            problem = "a timeline is built, or given as `{ column: [...] }`"
+            self.fail(span_of(value), problem, "for example `line(v: 20 m/s)`")
 
         def column(field_name: str, content: ast.Expr) -> list[Any]:
             field = self._field(signal, field_name, span_of(content))
@@ -119,11 +101,8 @@ class Signals(Constants):
         for name, content in zip(value.names, value.values):
             comma = _decimal_comma(self.list_of(content))
             if comma and len(lengths) > 1:
-                self.fail(
-                    span_of(content),
-                    f"`{name}` has {len(columns[name])} entries, others have more or fewer",
-                    comma,
-                )
+                problem = f"`{name}` has {len(columns[name])} entries, others have more or fewer"
+                self.fail(span_of(content), problem, comma)
         return columns
 
     def _change(
@@ -173,11 +152,8 @@ class Signals(Constants):
             if not named:
                 self.fail(span_of(value), "the arguments of builders are named", takes)
             if parameter is None:
-                self.fail(
-                    span_of(value),
-                    f"`{builder.name}` has no argument `{named}`",
-                    close_matches(named, builder.parameters) or takes,
-                )
+                hint = close_matches(named, builder.parameters) or takes
+                self.fail(span_of(value), f"`{builder.name}` has no argument `{named}`", hint)
             if named in call.names[:place]:
                 self.fail(span_of(value), f"`{named}` is given twice", "keep one of them")
             return named, self.number(value, parameter.unit, f"the argument `{named}`")
@@ -186,16 +162,13 @@ class Signals(Constants):
         missing = [n for n, p in builder.parameters.items() if p.required and n not in arguments]
         if missing:
             shown = ", ".join(f"{n}: ... {builder.parameters[n].unit}" for n in missing)
-            self.fail(
-                call.span,
-                f"`{builder.name}` needs {' and '.join(f'`{n}`' for n in missing)}",
-                f"write `{builder.name}({shown})`",
-            )
+            problem = f"`{builder.name}` needs {' and '.join(f'`{n}`' for n in missing)}"
+            self.fail(call.span, problem, f"write `{builder.name}({shown})`")
         return arguments
 
     def _record(self, signal: SignalType, value: ast.Expr) -> dict[str, Any]:
         if not isinstance(value, ast.RecordValue):
-            self.fail(span_of(value), f"`{signal.name}` takes a record", _HOW["record"])
+            self.fail(span_of(value), f"`{signal.name}` takes a record", "for example `{ x: 0 m, y: 0 m }`")
 
         def read(name: str, value: ast.Expr) -> Any:
             field = self._field(signal, name, span_of(value))
@@ -226,9 +199,7 @@ class Signals(Constants):
         if field.kind == UNKNOWN:
             raise Poison
         if field.kind == "bool":
-            if not isinstance(value, ast.Boolean):
-                self.fail(span_of(value), f"`{field.name}` is true or false")
-            return value.value
+            return self.truth(value, f"`{field.name}`")
         if field.enumeration is not None:
             return self._member(field, field.enumeration, value)
         return self.number(value, field.unit, f"`{field.name}`", field)
