@@ -41,12 +41,8 @@ def read(data: bytes, shown: str, found: list[Finding], naming: Naming) -> list[
     except Refused:
         raise
     except Exception as problem:  # whatever the package meets in a file that is not as it expects
-        raise Refused(
-            "T354",
-            f"no ReqIF that can be read: {type(problem).__name__}: {problem}",
-            shown,
-            help="does it follow ReqIF's schema?",
-        ) from problem
+        message = f"no ReqIF that can be read: {type(problem).__name__}: {problem}"
+        raise Refused("T354", message, shown, help="does it follow ReqIF's schema?") from problem
 
 
 def _lacking(lacking: Any, shown: str) -> Refused:
@@ -91,13 +87,8 @@ class _Reading:
         self._objects: dict[Any, Any] = {}
         for one in content.spec_objects or ():
             if one.identifier in self._objects:
-                raise Refused(
-                    "T355",
-                    f"`{one.identifier}` is there twice",
-                    self._shown,
-                    _line(one),
-                    "identifiers are unique in ReqIF",
-                )
+                message = f"`{one.identifier}` is there twice"
+                raise self._refused("T355", message, one, "identifiers are unique in ReqIF")
             self._objects[one.identifier] = one
         if content.spec_relation_groups:
             self._dropped("what groups relations", None)
@@ -120,10 +111,10 @@ class _Reading:
                 self._dropped(f"`{name}` of the specification `{title}`", one.xml_node)
             for place in self._places(one.children or ()):
                 if place.spec_object not in self._objects:
-                    raise self._incomplete(
-                        f"the specification `{title}` holds `{place.spec_object}`, which is not in the file",
-                        place,
+                    message = (
+                        f"the specification `{title}` holds `{place.spec_object}`, which is not in the file"
                     )
+                    raise self._refused("T356", message, place, "export it whole")
                 if place.spec_object in seen:
                     self._dropped(f"a second place of `{place.spec_object}`", place.xml_node)
                     continue
@@ -186,12 +177,9 @@ class _Reading:
         said: dict[str, Value] = {}
         for one, (name, value) in zip(held, self._named_values(held)):
             if said.setdefault(name, value) != value:
-                raise Refused(
-                    "T355",
-                    f"`{name}` is there twice, as `{said[name]}` and as `{value}`",
-                    self._shown,
-                    _line(one),
-                    "give one of the two attributes another name, or export one of them",
+                message = f"`{name}` is there twice, as `{said[name]}` and as `{value}`"
+                raise self._refused(
+                    "T355", message, one, "give one of the two attributes another name, or export one of them"
                 )
         return said
 
@@ -199,13 +187,13 @@ class _Reading:
         for one in held:
             name = self._names.get(one.definition_ref)
             if name is None:
-                raise self._incomplete(
-                    f"a value is of the attribute `{one.definition_ref}`, which is not defined", one
-                )
+                message = f"a value is of the attribute `{one.definition_ref}`, which is not defined"
+                raise self._refused("T356", message, one, "export it whole")
             if isinstance(one.value, list):
                 missing = [word for word in one.value if word not in self._words]
                 if missing:
-                    raise self._incomplete(f"`{name}` is `{missing[0]}`, which is no value of its type", one)
+                    message = f"`{name}` is `{missing[0]}`, which is no value of its type"
+                    raise self._refused("T356", message, one, "export it whole")
                 yield name, BETWEEN.join(self._words[word] or word for word in one.value)
             elif one.value_stripped_xhtml is not None:
                 yield name, self._formatted(name, one)
@@ -216,13 +204,8 @@ class _Reading:
         """The text of formatted text; what formats it is named."""
         value = one.xml_node.find("THE-VALUE") if one.xml_node is not None else None
         if value is None:
-            raise Refused(
-                "T354",
-                f"`{name}` has no value",
-                self._shown,
-                _line(one),
-                "does the file follow ReqIF's schema?",
-            )
+            message = f"`{name}` has no value"
+            raise self._refused("T354", message, one, "does the file follow ReqIF's schema?")
         # A tool that could not show all of it has kept it.
         if one.xml_node.find("THE-ORIGINAL-VALUE") is not None:
             self._dropped(f"the original of `{name}`, which some tool has simplified,", one.xml_node)
@@ -233,9 +216,8 @@ class _Reading:
         for one in self._content.spec_relations or ():
             for end in (one.source, one.target):
                 if end not in self._objects:
-                    raise self._incomplete(
-                        f"the relation `{one.identifier}` leads to `{end}`, which is not in the file", one
-                    )
+                    message = f"the relation `{one.identifier}` leads to `{end}`, which is not in the file"
+                    raise self._refused("T356", message, one, "export it whole")
             if one.values:
                 self._dropped(f"what the relation `{one.identifier}` says beside its ends", one.xml_node)
             kind = self._kinds.get(one.relation_type_ref, one.relation_type_ref)
@@ -247,17 +229,17 @@ class _Reading:
             for name, targets in links.items():
                 said = str(self._held[key].get(name, ""))
                 if set(re.split(r"[;,\s]+", said)) - {"", *targets}:
-                    raise Refused(
+                    message = f"`{name}` is there twice, as the attribute `{said}` and as relations to `{BETWEEN.join(targets)}`"
+                    raise self._refused(
                         "T355",
-                        f"`{name}` is there twice, as the attribute `{said}` and as relations to `{BETWEEN.join(targets)}`",
-                        self._shown,
-                        _line(self._objects[key]),
+                        message,
+                        self._objects[key],
                         "give the attribute another name, or export one of the two",
                     )
                 self._held[key][name] = targets
 
-    def _incomplete(self, message: str, one: Any) -> Refused:
-        return Refused("T356", message, self._shown, _line(one), "export it whole")
+    def _refused(self, code: str, message: str, one: Any, help: str) -> Refused:
+        return Refused(code, message, self._shown, _line(one), help)
 
     def _dropped(self, what: str, node: Any) -> None:
         line = getattr(node, "sourceline", None) or 0
