@@ -61,12 +61,15 @@ def apart(tests: Iterable[_Test], says: Callable[[_Test], str]) -> tuple[list[_T
     says: the fingerprint of what a test gives and expects; empty where that is not known.
     """
     first: dict[str, _Test] = {}
-    again = []
+    own, again = [], []
     for test in tests:
-        other = first.setdefault(says(test) or f"titled {test.title}", test)
-        if other is not test:
+        said = says(test)
+        other = first.setdefault(said, test) if said else test
+        if other is test:
+            own.append(test)
+        else:
             again.append(f'"{test.title}" is "{other.title}" under another title')
-    return list(first.values()), tuple(again)
+    return own, tuple(again)
 
 
 def not_on_it(title: str, narrow: bool, distance: str, within: str, unmoved: str) -> str:
