@@ -137,15 +137,13 @@ class SignalsReader:
         any of that; else None."""
         found = []
         for name in (*self.lines, *self.events, *self._unread):
-            if name not in raw:
-                if self._places:  # a later cycle may name a track
-                    return None
-                continue
-            one = raw[name]
+            one = raw.get(name)
             names, objects = (tuple(one), tuple(one.values())) if type(one) is dict else ((), (one,))
-            if not _FROZEN.issuperset(map(type, objects)) or not {str}.issuperset(map(type, names)):
+            if _FROZEN.issuperset(map(type, objects)) and {str}.issuperset(map(type, names)):
+                found.append((name, names, objects))
+            elif self._places or name not in self._unread:
                 return None
-            found.append((name, names, objects))
+            # Where no rule reads a place, nothing depends on the name: borders that nobody reads keep no cycle from being the same.
         return None if self.lanes else tuple(found)
 
     def same_track(self, raw: Mapping[Any, Any], settings: Settings, faults: list[Fault]) -> None:
