@@ -32,7 +32,8 @@ from trackmarshal.semantics.elsewhere import Elsewhere
 from trackmarshal.semantics.errors.declarations import SignalConflict
 from trackmarshal.semantics.errors.names import Duplicate, UnknownReference
 from trackmarshal.semantics.expressions.calls import built_in_names
-from trackmarshal.semantics.expressions.checking import Context, Expressions, any_timeline
+from trackmarshal.semantics.expressions.checking import Expressions
+from trackmarshal.semantics.expressions.context import Context, any_timeline
 from trackmarshal.semantics.modules import Library
 from trackmarshal.semantics.rules.building import RuleBuilder
 from trackmarshal.semantics.scope import KINDS, Scope

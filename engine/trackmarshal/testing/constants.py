@@ -13,7 +13,7 @@ from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.spec import FieldType
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.semantics.compile import Compiled
-from trackmarshal.semantics.expressions.checking import Context
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.semantics.values import Poison
 from trackmarshal.semantics.warnings.numbers import BareAngle

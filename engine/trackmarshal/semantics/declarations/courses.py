@@ -9,6 +9,7 @@ from trackmarshal import typed
 from trackmarshal.ir.overrun import nanoseconds
 from trackmarshal.ir.spec import COURSE, CourseInfo, FieldType, SignalType
 from trackmarshal.semantics.errors.declarations import CourseProblem, SignalConflict
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.temporal import bound
 from trackmarshal.semantics.overrun import LONGEST
 from trackmarshal.semantics.values import spoken
@@ -17,7 +18,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, in_full, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def check_course(item: ast.Course, x: Expressions, ctx: Context) -> None:

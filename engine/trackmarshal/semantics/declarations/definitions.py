@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.semantics.errors.names import Duplicate
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.definitions import check_body
 from trackmarshal.semantics.expressions.quantifiers import check_used
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def check_definition(item: ast.Define, x: Expressions, ctx: Context) -> None:

@@ -16,6 +16,7 @@ from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.semantics.declarations.ranges import inside, limits, outside
 from trackmarshal.semantics.declarations.records import check_field, record_params
 from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.semantics.values import Poison
 from trackmarshal.source import Span
@@ -23,7 +24,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, in_full, name, parse_unit, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: What the formula of a `constrain` may be made of: everything that parameters and tables decide.
 _SETTLED = (

@@ -11,6 +11,7 @@ from trackmarshal.semantics.declarations.parameters import Parameters
 from trackmarshal.semantics.declarations.ranges import finite
 from trackmarshal.semantics.errors.declarations import BackwardStretch, BadPlace
 from trackmarshal.semantics.errors.expressions import BadValue
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.places import ends
 from trackmarshal.semantics.values import on_open_line
 from trackmarshal.source import Span
@@ -18,7 +19,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import in_full
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def place_info(item: ast.Place, x: Expressions, ctx: Context) -> PlaceInfo:

@@ -8,13 +8,14 @@ from trackmarshal import typed
 from trackmarshal.semantics.declarations.fields import field_type
 from trackmarshal.semantics.errors.declarations import ShapeProblem
 from trackmarshal.semantics.errors.names import Duplicate, Hides
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.shapes import SHAPES, SIGNALS, Kind, resolved
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import UNITS, parse_unit
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def check_shape(item: ast.Shape, x: Expressions, ctx: Context) -> None:

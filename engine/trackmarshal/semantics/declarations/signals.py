@@ -11,11 +11,12 @@ from trackmarshal.semantics.declarations.lifetimes import lifetimes
 from trackmarshal.semantics.errors.declarations import SignalConflict
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.errors.names import Duplicate
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def check_signal(item: ast.Signal, x: Expressions, ctx: Context) -> None:

@@ -12,6 +12,7 @@ from trackmarshal.semantics.advice.vacuity import never_taken
 from trackmarshal.semantics.errors.declarations import NeverTaken, NoReset, StateProblem, UnreachableState
 from trackmarshal.semantics.errors.expressions import BadValue, OverRunProblem
 from trackmarshal.semantics.errors.names import Duplicate
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.machines import bridged, no_such_state, sources, written_out
 from trackmarshal.semantics.expressions.quantifiers import axis
 from trackmarshal.semantics.overrun import misused
@@ -21,7 +22,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.typed import Symbol
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def check_state(item: ast.State, x: Expressions, ctx: Context) -> None:

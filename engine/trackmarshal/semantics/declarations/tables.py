@@ -12,13 +12,14 @@ from trackmarshal.semantics.declarations.ranges import finite
 from trackmarshal.semantics.errors.declarations import TablePeriod, TableShape
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.errors.names import Duplicate
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import decimal_comma
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import in_full
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def table_info(item: ast.Table, x: Expressions, ctx: Context) -> TableInfo:

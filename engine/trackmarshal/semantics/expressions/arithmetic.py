@@ -8,6 +8,7 @@ from trackmarshal import typed
 from trackmarshal.ir.operators import ARITHMETIC, known
 from trackmarshal.semantics.advice.headings import between
 from trackmarshal.semantics.errors.expressions import BadValue
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.values import Poison, common, product
 from trackmarshal.syntax import ast
@@ -15,7 +16,7 @@ from trackmarshal.units import NUMBER, in_full, over, quantity, times
 from trackmarshal.units import power as raised
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def arithmetic(expr: ast.Binary, x: Expressions, ctx: Context) -> typed.Number:

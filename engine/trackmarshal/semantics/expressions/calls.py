@@ -12,6 +12,7 @@ from trackmarshal.semantics.advice.formulas import same_everywhere
 from trackmarshal.semantics.errors.expressions import WrongArity, WrongDimension, WrongKind
 from trackmarshal.semantics.errors.names import UnknownReference
 from trackmarshal.semantics.expressions.arguments import counted, given, in_order
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.definitions import expand
 from trackmarshal.semantics.expressions.dimensions import decimal_comma, of_dimension, same
 from trackmarshal.semantics.expressions.geometry import geometric
@@ -23,7 +24,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension, parse_unit, power, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: What counts cycles.
 COUNT = "count"

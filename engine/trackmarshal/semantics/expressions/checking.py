@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Any, NoReturn, TypeVar
 
 from trackmarshal import typed
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir.spec import CourseInfo, Enumeration, SignalType
-from trackmarshal.node import Node
 from trackmarshal.semantics.advice.bounds import Bounds
 from trackmarshal.semantics.advice.units import Advice
 from trackmarshal.semantics.errors.expressions import BadValue, TooLarge, WrongKind
@@ -23,9 +22,10 @@ from trackmarshal.semantics.expressions import (
     quantifiers,
     temporal,
 )
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.sharing import Shared
 from trackmarshal.semantics.scope import Scope
-from trackmarshal.semantics.values import Local, Poison, in_si, own_unit, spoken
+from trackmarshal.semantics.values import Poison, in_si, own_unit, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import Dimension, parse_unit
@@ -33,44 +33,8 @@ from trackmarshal.units import Dimension, parse_unit
 T = TypeVar("T")
 
 
-class Context(Node):
-    """Where an expression stands: the names it sees, how deep it is nested, what its temporal operators range over."""
-
-    scope: Scope
-    local: dict[str, Local]
-    level: int
-    timeline: typed.TimeAxis
-    #: The call in the rule's own file, while a definition is written out.
-    site: Span | None
-    #: Definitions being written out, outermost first.
-    stack: tuple[str, ...]
-
-    def bind(
-        self, names: Mapping[str, Local], levels: int = 0, timeline: typed.TimeAxis | None = None
-    ) -> Context:
-        """This context with more local names, and `levels` more axes in use."""
-        return Context(
-            self.scope,
-            {**self.local, **names},
-            self.level + levels,
-            timeline or self.timeline,
-            self.site,
-            self.stack,
-        )
-
-    def elsewhere(self, scope: Scope, span: Span) -> Context:
-        """Where a declaration stands that is used here, at `span`: it sees the names of its own module."""
-        return Context(scope, {}, self.level, self.timeline, self.site or span, self.stack)
-
-
 def _run(step: Callable[[], Any]) -> Any:
     return step()
-
-
-def any_timeline(span: Span) -> typed.TimeAxis:
-    """A timeline where only the axis is missing: for definitions, which may use that of a rule, and for what follows an error."""
-    domain = typed.Signal(SignalType("", "series", False, (), span), span)
-    return typed.Range(domain, ("",), 0, span)
 
 
 class Expressions:

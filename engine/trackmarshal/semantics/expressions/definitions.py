@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.semantics.errors.expressions import Recursive, TooLarge, WrongDimension, WrongKind
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import of_dimension
 from trackmarshal.semantics.expressions.geometry import area, line
 from trackmarshal.semantics.expressions.shapes import is_shape, lacking, one_of, shape_named
@@ -17,7 +18,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import parse_unit, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: How many definitions one declaration may be made of, each counted where it is written out.
 MOST_EXPANSIONS = 10_000
@@ -42,7 +43,7 @@ def expand(
     if len(ctx.stack) >= DEEPEST:
         x.fail(TooLarge(ctx.site or span, f"nested more than {DEEPEST} definitions deep"))
     count_definitions(x, 1, span, ctx)
-    inner = _inside(x, symbol, {}, span, ctx)
+    inner = ctx.inside(x.scopes[symbol.module], {}, span, symbol.qualified)
     given_ = x.each(
         lambda one: _default(x, one[0], inner) if one[1] is None else one[1], zip(item.parameters, args)
     )
@@ -91,14 +92,6 @@ def _default(x: Expressions, parameter: ast.Parameter, inner: Context) -> typed.
     return x.value(parameter.default, inner)
 
 
-def _inside(
-    x: Expressions, symbol: typed.Symbol, local: dict[str, Local], span: Span, ctx: Context
-) -> Context:
-    """Where the body of a definition stands that is called from a context."""
-    scope, stack = x.scopes[symbol.module], (*ctx.stack, symbol.qualified)
-    return type(ctx)(scope, local, ctx.level, ctx.timeline, ctx.site or span, stack)
-
-
 def _body(
     x: Expressions,
     symbol: typed.Symbol,
@@ -111,7 +104,7 @@ def _body(
     """What a definition comes to with these arguments: as they are, and as its body sees them."""
     given, bound = args
     local = {p.name: value for p, value in zip(item.parameters, bound)}
-    inner = _inside(x, symbol, local, span, ctx)
+    inner = ctx.inside(x.scopes[symbol.module], local, span, symbol.qualified)
     if item.keyword == "predicate":
         return typed.CalledFormula(symbol, given, infix, x.formula(item.body, inner), span)
     value = x.number(item.body, inner)
@@ -129,7 +122,7 @@ def _body(
 
 def check_body(x: Expressions, symbol: typed.Symbol, item: ast.Define, ctx: Context) -> None:
     """Check the body of a definition that may never be called, and its defaults: nothing is given for its parameters."""
-    inner = _inside(x, symbol, {}, item.span, ctx)
+    inner = ctx.inside(x.scopes[symbol.module], {}, item.span, symbol.qualified)
     for one in item.parameters:
         if one.default is not None:
             default = _default(x, one, inner)

@@ -11,6 +11,7 @@ from trackmarshal.semantics.advice.headings import laps_over, turns_over
 from trackmarshal.semantics.errors.expressions import BadValue, WrongDimension, WrongKind
 from trackmarshal.semantics.errors.names import UnknownName
 from trackmarshal.semantics.expressions import members
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.values import Poison, spoken
 from trackmarshal.source import Span
@@ -19,7 +20,7 @@ from trackmarshal.syntax.notation import ASKED
 from trackmarshal.units import NUMBER, TIME, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def connective(expr: ast.Binary, x: Expressions, ctx: Context) -> typed.Formula:

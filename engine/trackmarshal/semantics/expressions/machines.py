@@ -15,6 +15,7 @@ from trackmarshal.semantics.errors.expressions import (
     WrongKind,
 )
 from trackmarshal.semantics.errors.names import Duplicate, UnknownField, UnknownReference
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.definitions import count_definitions
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.expressions.temporal import bound
@@ -28,7 +29,7 @@ from trackmarshal.typed import Symbol
 from trackmarshal.units import TIME, in_full
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: What asks whether a machine is in a state.
 IS = "is"
@@ -69,7 +70,7 @@ def written_out(
     """The transitions of a machine, with what stands for its element; the errors of all of them are reported."""
     local = {} if element is None else {item.binder: element}
     stack, scope = (*ctx.stack, symbol.qualified), x.scopes[symbol.module]
-    inner = type(ctx)(scope, local, ctx.level, typed.THE_RUN, None, stack)
+    inner = Context(scope, local, ctx.level, typed.THE_RUN, None, stack)
     made: list[typed.Transition] = x.all(
         *(lambda one=one: _transition(item, one, x, inner) for one in item.transitions)
     )

@@ -10,6 +10,7 @@ from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.errors.expressions import CaseProblem, WrongKind
 from trackmarshal.semantics.errors.names import Hides, UnknownMember
 from trackmarshal.semantics.expressions import machines
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.values import common, spoken
 from trackmarshal.source import Span
@@ -17,7 +18,7 @@ from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
     from trackmarshal.diagnostics.base import Diagnostic
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def unknown(enumeration: Enumeration, name: str, span: Span) -> UnknownMember:

@@ -10,6 +10,7 @@ from trackmarshal.ir.spec import UNKNOWN, Enumeration
 from trackmarshal.semantics.errors.expressions import WrongKind
 from trackmarshal.semantics.errors.names import UnknownField
 from trackmarshal.semantics.expressions import machines
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.definitions import expand
 from trackmarshal.semantics.expressions.formulas import NUMBERED
 from trackmarshal.semantics.expressions.geometry import is_lane
@@ -28,7 +29,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER, Dimension
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def name(expr: ast.Name, x: Expressions, ctx: Context) -> typed.Value:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from trackmarshal import typed
 from trackmarshal.semantics.errors.expressions import WrongKind
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import of_dimension
 from trackmarshal.semantics.expressions.geometry import line
 from trackmarshal.semantics.expressions.shapes import SHAPES, shaped
@@ -17,7 +18,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import LENGTH
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: A line, and the stations [m] at which a stretch of it begins and ends.
 Ends = tuple[typed.Line, typed.Number, typed.Number]

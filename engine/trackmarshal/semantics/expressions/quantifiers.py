@@ -13,6 +13,7 @@ from trackmarshal.semantics.advice.formulas import met_by_others
 from trackmarshal.semantics.errors.declarations import CourseProblem
 from trackmarshal.semantics.errors.expressions import BadValue, WrongKind
 from trackmarshal.semantics.errors.names import Duplicate, UnknownReference
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import same
 from trackmarshal.semantics.values import Broken, Local, Poison, common, span_of, spoken
 from trackmarshal.semantics.warnings.vacuity import UnusedVariable
@@ -21,7 +22,7 @@ from trackmarshal.syntax import ast
 from trackmarshal.units import NUMBER
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def quantified(expr: ast.Quantified, x: Expressions, ctx: Context) -> typed.Formula:

@@ -9,13 +9,14 @@ from trackmarshal.ir.operators import TEMPORAL, UNTIL, known
 from trackmarshal.semantics.advice.formulas import goes_on, met_by_others, same_everywhere
 from trackmarshal.semantics.errors.expressions import BadValue
 from trackmarshal.semantics.errors.names import UnknownReference
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import unit_hint
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 from trackmarshal.units import TIME, in_full, quantity
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 
 def temporal(expr: ast.Temporal, x: Expressions, ctx: Context) -> typed.Formula:

@@ -16,6 +16,7 @@ from trackmarshal.lowering.rules import Lowered, lower_rule
 from trackmarshal.semantics.advice.starting import never_starts
 from trackmarshal.semantics.advice.vacuity import vacuous
 from trackmarshal.semantics.errors.names import UnknownName, UnknownReference
+from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.overrun import misused, misused_along
 from trackmarshal.semantics.rules.clauses import typed_rule
 from trackmarshal.semantics.rules.placement import check_placement
@@ -25,7 +26,7 @@ from trackmarshal.semantics.warnings.vacuity import AllowsNothing, UnusedVariabl
 from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: So many levels of a rule's core every pass and every evaluator can go down, the stack of whoever calls them counted.
 MOST_LEVELS = 300

@@ -13,7 +13,7 @@ from trackmarshal.ir.spec import COURSE, SignalType
 from trackmarshal.semantics.advice.formulas import met_by_others
 from trackmarshal.semantics.declarations.courses import has_time
 from trackmarshal.semantics.errors.rules import ClauseProblem, JudgedNowhere
-from trackmarshal.semantics.expressions.checking import any_timeline
+from trackmarshal.semantics.expressions.context import Context, any_timeline
 from trackmarshal.semantics.expressions.quantifiers import check_new, check_used, range_of, timeline
 from trackmarshal.semantics.expressions.temporal import deadline
 from trackmarshal.semantics.rules.placement import SCENE
@@ -22,7 +22,7 @@ from trackmarshal.semantics.warnings.vacuity import NothingFound, UnusedVariable
 from trackmarshal.syntax import ast
 
 if TYPE_CHECKING:
-    from trackmarshal.semantics.expressions.checking import Context, Expressions
+    from trackmarshal.semantics.expressions.checking import Expressions
 
 #: The words for where a rule is judged.
 _PLACES: tuple[JudgedAt, ...] = get_args(JudgedAt)
