@@ -340,6 +340,35 @@ def test_counts_go_over_gaps() -> None:
     assert {"undefined", "satisfied", "violated", "open"} <= verdicts
 
 
+def test_who_had_more_elements_than_there_is_room_for_is_not_forgotten() -> None:
+    """There is room for 32 of a set that declares no capacity. In the middle of a run a cycle of more is refused, and is a gap; behind it, the run began anew."""
+    spec = loads(
+        SIGNALS + 'rule run "" require not once[0 s, 5 s] flag\n'
+        'rule each "" for all o in objects require not once[0 s, 5 s] o.v > 1 m/s\n'
+    )
+
+    def cycle(number: int, count: int) -> dict[str, Any]:
+        objects = {"id": [str(i) for i in range(count)], "v": [2.0 if number == 0 and i == 0 else 0.0 for i in range(count)]}  # fmt: skip
+        ego = {"v": 0.0, "w": 0.0}
+        return {"id": number, "t": number / 10, "signals": {"ego": ego, "objects": objects, "flag": number == 0}}  # fmt: skip
+
+    evaluator = Evaluator(spec, backend="c")
+    run, found = evaluator.over_run(), list[Any]()
+    for number, count in enumerate((3, 33, 2, 32)):
+        if count > 32:
+            with pytest.raises(TrackmarshalError, match="in the middle of a run") as caught:
+                run.step(evaluator.read(cycle(number, count)))
+            assert caught.value.code == "E473"
+            run.missed()
+        else:
+            rules = run.step(evaluator.read(cycle(number, count))).rules
+            found.append({name: (one.verdict, exact(one.margin), told(one.about)) for name, one in rules.items()})  # fmt: skip
+    others = [cycle(0, 3), None, cycle(2, 2), cycle(3, 32)]
+    (wanted,) = said({"reference": Evaluator(spec, backend="reference")}, others).values()
+    assert found == wanted[: len(found)]
+    assert {one["run"][0] for one in found} == {"violated"}
+
+
 def test_rules_by_themselves_refuse_what_cannot_come_next() -> None:
     """Before the rules alone there is no door: a time that does not follow, and ids that are not there or alike, are refused in C itself."""
     spec = loads(SIGNALS + 'rule f "" for all o in objects require once[0 s, 1 s] o.v > 0 m/s\n')

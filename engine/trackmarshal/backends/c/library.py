@@ -75,7 +75,7 @@ class Library:
             raise TrackmarshalError(
                 "E473",
                 "more elements come in the middle of a run than memory was made for",
-                help="raise the limit `elements`",
+                help="raise the limit `elements`, or choose another backend",
             )
         start = self.dll.tmg_remembered()
         ctypes.memmove(self.context + start, other.context + other.dll.tmg_remembered(), size)

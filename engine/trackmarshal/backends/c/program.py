@@ -117,9 +117,10 @@ class CProgram(Stateless):
         have = self._library
         if have is not None and all(have.sizes[name] >= wanted[name] for name in self._kinds):
             return have
-        self._library = Library(self.source, fitting(self.source, wanted, have))
+        made = Library(self.source, fitting(self.source, wanted, have))
         if have is not None and self.order.timed:
-            self._library.take_over(have)
+            made.take_over(have)
+        self._library = made  # not before: where it cannot take over, the run goes on in the one at hand
         self._changed.clear()
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
