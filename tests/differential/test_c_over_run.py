@@ -369,6 +369,20 @@ def test_who_had_more_elements_than_there_is_room_for_is_not_forgotten() -> None
     assert {one["run"][0] for one in found} == {"violated"}
 
 
+def test_a_run_that_began_with_many_elements_is_restored() -> None:
+    """There is memory for as many as the first cycle has; what was saved of more than 32 was refused as damaged."""
+    spec = loads(SIGNALS + 'rule f "" for all o in objects require not once[0 s, 5 s] o.v > 0 m/s\n')
+    for count in (32, 33):
+        evaluator, saved = Evaluator(spec, backend="c"), list[str]()
+        for number, v in enumerate((1.0, 0.0)):
+            run = evaluator.over_run(saved or None)
+            objects = {"id": [str(i) for i in range(count)], "v": [v] * count}
+            signals = {"ego": {"v": 0.0, "w": 0.0}, "objects": objects, "flag": False}
+            result = run.step(evaluator.read({"t": number / 10, "signals": signals}))
+            assert result.rules["f"].verdict == "violated", count
+            saved = run.save()
+
+
 def test_rules_by_themselves_refuse_what_cannot_come_next() -> None:
     """Before the rules alone there is no door: a time that does not follow, and ids that are not there or alike, are refused in C itself."""
     spec = loads(SIGNALS + 'rule f "" for all o in objects require once[0 s, 1 s] o.v > 0 m/s\n')

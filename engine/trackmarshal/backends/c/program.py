@@ -186,9 +186,18 @@ class CProgram(Stateless):
         start, size = lib.dll.tmg_remembered(), lib.dll.tmg_remembered_size()
         return (ctypes.string_at(lib.context + start, size), *self.numbering.taken())
 
-    def put_back(self, data: bytes, numbers: dict[str, dict[str, int]], following: int) -> None:
-        """Go on from what was remembered. Raises ValueError for bytes that are not of this program."""
-        lib = self.library_for()
+    @property
+    def elements(self) -> int:
+        """How many elements of a set there is memory for; 0 where none is known again."""
+        return self.library_for().sizes["TM_MAX_ELEMENTS"] if self.source.plan.named else 0
+
+    def put_back(
+        self, data: bytes, numbers: dict[str, dict[str, int]], following: int, elements: int
+    ) -> None:
+        """Go on from what was remembered, in memory for so many elements. Raises ValueError for bytes that are not of this program."""
+        if elements > len(data):
+            raise ValueError("each element takes more than a byte")
+        lib = self.library_for(elements=elements)
         if len(data) != lib.dll.tmg_remembered_size():
             raise ValueError("these are not the bytes of this program")
         ctypes.memmove(lib.context + lib.dll.tmg_remembered(), data, len(data))

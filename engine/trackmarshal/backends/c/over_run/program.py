@@ -129,19 +129,21 @@ class CRemembering:
         for _, name in names:
             if name is not None and type(name) not in (int, str):
                 raise unsaved(f"a cycle is called {name!r:.40}, which is neither a number nor a text")
-        head: Piece = ["rules", run.cycles, following, len(data), [list(each) for each in names]]
+        head: Piece = [
+            "rules", run.cycles, following, len(data), [list(each) for each in names], run.program.elements,
+        ]  # fmt: skip
         return chain([head, ["ids", numbers]], pages(data))
 
     def restored(self, pieces: Pieces) -> Memory:
         """Raises ValueError, KeyError, TypeError or IndexError for what was not saved by such a program."""
-        cycles, following, size, listed = pieces.next("rules", 4)
+        cycles, following, size, listed, elements = pieces.next("rules", 5)
         numbers = numbers_of(pieces, following)
         run = _Run(self._program.anew(), count(cycles))
         for number, name in listed:
             if name is not None and type(name) not in (int, str):
                 raise ValueError("a cycle is called otherwise")
             run.names[count(number)] = name
-        run.program.put_back(bytes_of(pieces, count(size)), numbers, count(following))
+        run.program.put_back(bytes_of(pieces, count(size)), numbers, count(following), count(elements))
         return _Kept(run, run.cycles)
 
     @staticmethod
