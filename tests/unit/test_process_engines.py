@@ -21,12 +21,15 @@ from trackmarshal.runtime.cycle import Limits
 from trackmarshal.runtime.frame import NO_SETTINGS
 
 #: With a rule of which `compile` writes a monitor beside the process.
-SPEC = loads("""
+TEXT = """
 module m
 use supervisor.interface
+param most : m/s = 90 m/s
+constrain most >= 1 m/s because "it is to drive"
 rule fast along plan as p
-  require always p.v <= 90 m/s
-""")
+  require always p.v <= most
+"""
+SPEC = loads(TEXT)
 RULES = [rule for rule in SPEC.rules if rule.formula is not None]
 LIMITS = Limits.of(SPEC)
 
@@ -87,6 +90,12 @@ def test_so_is_one_that_does_not_say_which_engine_built_it() -> None:
 def test_words_in_comments_and_names_of_files_do_not_count() -> None:
     made = source(name="guard")
     spoken_for(layout(replace(made, source=f"/* In other words. */{made.source}")))
+
+
+def test_nor_does_where_the_spec_stands() -> None:
+    """Nor where in it a constraint does, which C says when the constraint is broken."""
+    moved = loads(TEXT.replace("constrain", "\n-- So that it drives at all.\nconstrain"))
+    spoken_for(layout(generate(moved, list(moved.rules), doored=True)))
 
 
 def test_a_process_that_compile_wrote_is_the_one_that_serve_starts() -> None:

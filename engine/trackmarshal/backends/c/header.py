@@ -55,8 +55,8 @@ def numbered(text: str, source: str, name: str) -> str:
 
 
 def compiled(text: str, name: str) -> str:
-    """What of a text is compiled, whatever the files are called, and wherever the spec stands."""
-    own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b'
+    """What of a text is compiled, whatever the files are called, and wherever the spec, and in it each constraint, stands."""
+    own = rf'/\*.*?\*/|"{re.escape(name)}\.h"|\bTM_{re.escape(name.upper())}_H\b|(?<=which = )"(?:[^"\\]|\\.)*:\d+:\d+"'
     return re.sub(own, "", text, flags=re.DOTALL)
 
 
