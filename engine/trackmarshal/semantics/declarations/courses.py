@@ -51,12 +51,8 @@ def _made(item: ast.Course, x: Expressions, ctx: Context) -> CourseInfo:
         _fail(x, item.span.head, f"`{lived.name}` and `{planned.name}` have no field in common", hint)
     other = [field for field in lived.fields_ if field.name == "t"]
     if other:
-        _fail(
-            x,
-            item.lived.span,
-            f"`{lived.name}` has a field `t` of its own",
-            "rename it: in a course, `t` counts from now",
-        )
+        hint = "rename it: in a course, `t` counts from now"
+        _fail(x, item.lived.span, f"`{lived.name}` has a field `t` of its own", hint)
     fields = (time, *(field for field in shared if field.name != "t"))
     signal = SignalType(item.name, COURSE, False, fields, item.span)
     return CourseInfo(signal, lived.name, planned.name, nanoseconds(seconds))
@@ -65,29 +61,20 @@ def _made(item: ast.Course, x: Expressions, ctx: Context) -> CourseInfo:
 def _record(name: ast.Name, x: Expressions, ctx: Context) -> SignalType:
     value = x.value(name, ctx)
     if not isinstance(value, typed.State):
-        _fail(
-            x,
-            name.span,
-            f"{spoken(value)} is no record of a cycle",
-            "what was driven is a `state`, such as `ego`",
-        )
+        hint = "what was driven is a `state`, such as `ego`"
+        _fail(x, name.span, f"{spoken(value)} is no record of a cycle", hint)
     return value.signal
 
 
 def _trajectory(name: ast.Name, x: Expressions, ctx: Context) -> SignalType:
     value = x.value(name, ctx)
     if not isinstance(value, typed.Signal) or value.signal.kind != "trajectory" or value.signal.many:
-        _fail(
-            x,
-            name.span,
-            f"{spoken(value)} is no trajectory",
-            "what is planned is a `trajectory`, such as `plan`",
-        )
+        hint = "what is planned is a `trajectory`, such as `plan`"
+        _fail(x, name.span, f"{spoken(value)} is no trajectory", hint)
     signal = value.signal
     if not has_time(signal):
-        _fail(
-            x, name.span, f"`{name.name}` does not say when its samples are due", "declare `t: s increasing`"
-        )
+        problem = f"`{name.name}` does not say when its samples are due"
+        _fail(x, name.span, problem, "declare `t: s increasing`")
     return signal
 
 

@@ -32,14 +32,8 @@ def record_params(x: Expressions, item: ast.ParamRecord, scope: Scope, params: l
     made = []
     for entry in item.entries:
         if entry.name in first:
-            problems.append(
-                RecordProblem(
-                    entry.span,
-                    f"`{entry.name}` stands twice in `{item.name}`",
-                    "remove one",
-                    first[entry.name],
-                )
-            )
+            problem = f"`{entry.name}` stands twice in `{item.name}`"
+            problems.append(RecordProblem(entry.span, problem, "remove one", first[entry.name]))
         elif entry.name not in shape:
             hint = close_matches(entry.name, shape) or f"its fields are {', '.join(shape)}"
             problems.append(RecordProblem(entry.span, f"`{item.shape}` has no field `{entry.name}`", hint))
@@ -68,15 +62,8 @@ def check_field(x: Expressions, item: ast.Param, scope: Scope) -> None:
     if symbol is not None:
         declared: Span = symbol.item.__dict__["span"]
         hint = f"write it where `{record}` is declared, or move it to a configuration that does not use this module"
-        x.found.append(
-            RecordProblem(
-                item.span.head,
-                f"`{item.name}` has a value already",
-                hint,
-                declared.head,
-                "it is declared here",
-            )
-        )
+        problem, about = f"`{item.name}` has a value already", "it is declared here"
+        x.found.append(RecordProblem(item.span.head, problem, hint, declared.head, about))
 
 
 def _units(x: Expressions, name: str, shape: typed.Shape, scope: Scope) -> dict[str, str]:

@@ -43,64 +43,35 @@ def check_signal(item: ast.Signal, x: Expressions, ctx: Context) -> None:
 def _check_kind(item: ast.Signal, found: list[Diagnostic]) -> None:
     """What a signal of a kind may hold."""
     head, kind = item.span.head, item.kind
+
+    def report(at: Span, problem: str, hint: str) -> None:
+        found.append(BadValue(at, problem, None, hint))
+
     if item.many != (kind in ("object", "lane")):
         problem = f"there is no set of {kind}s" if item.many else f"{kind}s come in sets"
-        found.append(
-            BadValue(
-                head,
-                problem,
-                None,
-                f"write `set of {kind if kind == 'lane' else 'object'}`"
-                + ("" if item.many else ", or `state` for a single record"),
-            )
-        )
+        hint = f"write `set of {kind if kind == 'lane' else 'object'}`"
+        report(head, problem, hint if item.many else f"{hint}, or `state` for a single record")
     if kind == "polyline" and item.fields_:
-        found.append(
-            BadValue(item.fields_[0].span, "a polyline has no fields", None, "it is a list of points")
-        )
-    if kind == "corridor" and item.fields_:
-        sides = {field.name for field in item.fields_ if field.type == "polyline"}
-        for field in item.fields_:
-            if field.type != "polyline" or field.name not in ("left", "right"):
-                found.append(
-                    BadValue(
-                        field.span, f"a corridor has no field `{field.name}: {field.type}`", None, _CORRIDOR
-                    )
-                )
-        for side in ("left", "right"):
-            if side not in sides:
-                found.append(
-                    BadValue(head, f"the corridor `{item.name}` lacks `{side}: polyline`", None, _CORRIDOR)
-                )
-    sides = {field.name for field in item.fields_ if field.type == "polyline"}
-    for side in ("left", "right") if kind == "lane" else ():
-        if side not in sides:
-            found.append(BadValue(head, f"a lane lacks `{side}: polyline`", None, _LANE))
-    for field in item.fields_ if kind not in ("corridor", "polyline") else ():
-        if kind == "lane" and field.type == "polyline" and field.name in ("left", "right"):
+        report(item.fields_[0].span, "a polyline has no fields", "it is a list of points")
+    lacking = {"left", "right"} - {field.name for field in item.fields_ if field.type == "polyline"}
+    for side in ("left", "right"):
+        if side in lacking and kind == "corridor" and item.fields_:
+            report(head, f"the corridor `{item.name}` lacks `{side}: polyline`", _CORRIDOR)
+        elif side in lacking and kind == "lane":
+            report(head, f"a lane lacks `{side}: polyline`", _LANE)
+    for field in item.fields_ if kind != "polyline" else ():
+        border = field.type == "polyline" and field.name in ("left", "right")
+        if border and kind in ("corridor", "lane"):
             continue
-        if field.type == "polyline":
-            found.append(
-                BadValue(
-                    field.span,
-                    f"a lane has no border `{field.name}`"
-                    if kind == "lane"
-                    else f"a {kind} has no polylines",
-                    None,
-                    "it has `left` and `right`"
-                    if kind == "lane"
-                    else "polylines stand in a corridor, or alone",
-                )
-            )
+        if kind == "corridor":
+            report(field.span, f"a corridor has no field `{field.name}: {field.type}`", _CORRIDOR)
+            continue
+        if field.type == "polyline" and kind == "lane":
+            report(field.span, f"a lane has no border `{field.name}`", "it has `left` and `right`")
+        elif field.type == "polyline":
+            report(field.span, f"a {kind} has no polylines", "polylines stand in a corridor, or alone")
         if field.increasing and kind not in ("trajectory", "series"):
-            found.append(
-                BadValue(
-                    field.span,
-                    f"a field of a {kind} has no order",
-                    None,
-                    "only columns of a timeline increase",
-                )
-            )
+            report(field.span, f"a field of a {kind} has no order", "only columns of a timeline increase")
 
 
 _CORRIDOR = "its fields are `left: polyline` and `right: polyline`"

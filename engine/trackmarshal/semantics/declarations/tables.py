@@ -53,11 +53,8 @@ def _check_shape(x: Expressions, item: ast.Table) -> None:
         width = 1
         if len(item.ways) > 1:
             hint = f"leave `{item.ways[1].span.text}` out, or name a second argument"
-            x.fail(
-                TableShape(
-                    item.ways[1].span, None, "this table has one argument to be read along, not two", hint
-                )
-            )
+            problem = "this table has one argument to be read along, not two"
+            x.fail(TableShape(item.ways[1].span, None, problem, hint))
     else:
         width = len(second.knots)
         if second.name == item.argument:
@@ -68,9 +65,8 @@ def _check_shape(x: Expressions, item: ast.Table) -> None:
             x.fail(TableShape(second.span, None, f"there is no row of knots for `{second.name}`", hint))
         if second.label != second.name:
             problem = f"the row of knots is that of `{second.name}`, not of `{second.label}`"
-            x.fail(
-                TableShape(second.span.word(second.label), None, problem, f"begin it with `| {second.name}:`")
-            )
+            hint = f"begin it with `| {second.name}:`"
+            x.fail(TableShape(second.span.word(second.label), None, problem, hint))
     for row in item.rows:
         if len(row) - 1 != width:
             at = ast.span_of(row[0]).to(ast.span_of(row[-1]))
@@ -91,15 +87,11 @@ def _knots(
     knots = tuple(numbers)
     for before, after, above, here in zip(knots, knots[1:], exprs, exprs[1:]):
         if not before < after:
-            x.fail(
-                BadValue(
-                    ast.span_of(here),
-                    f"the knots of a table ascend; {in_full(after, unit)} is not above {in_full(before, unit)}",
-                    ast.span_of(above),
-                    "sort the rows; each knot stands once",
-                    "not above this one",
-                )
+            problem = (
+                f"the knots of a table ascend; {in_full(after, unit)} is not above {in_full(before, unit)}"
             )
+            hint, about = "sort the rows; each knot stands once", "not above this one"
+            x.fail(BadValue(ast.span_of(here), problem, ast.span_of(above), hint, about))
     way = Way(written.reading == "step", written.outside == "clamp", length)
     if written.length is not None:
         _check_period(x, way, knots, exprs, unit, ast.span_of(written.length))
@@ -115,14 +107,8 @@ def _check_period(
     if not in_period(way, knots):
         wrong = exprs[0] if knots[0] < 0.0 else exprs[-1]
         problem = f"this knot is outside the period, which goes from 0 up to {in_full(way.length, unit)}"
-        x.fail(
-            TablePeriod(
-                ast.span_of(wrong),
-                at,
-                problem,
-                "write the place from 0 on at which it is in the first period",
-            )
-        )
+        hint = "write the place from 0 on at which it is in the first period"
+        x.fail(TablePeriod(ast.span_of(wrong), at, problem, hint))
 
 
 def _values(count: int) -> str:

@@ -38,18 +38,8 @@ def same(x: Expressions, action: str, left: typed.Number, right: typed.Number) -
     # Where a unit is missing, it is missing there, and no declaration is to blame.
     bare = any(isinstance(side, typed.Literally) and not side.unit for side in (left, right))
     things = () if bare else (_declared(left, ours, theirs), _declared(right, theirs, ours))
-    x.fail(
-        DimensionMismatch(
-            left.span,
-            right.span,
-            action,
-            ours,
-            theirs,
-            hint,
-            (),
-            tuple(thing for thing in things if thing),
-        )
-    )
+    declared = tuple(thing for thing in things if thing)
+    x.fail(DimensionMismatch(left.span, right.span, action, ours, theirs, hint, (), declared))
 
 
 def of_dimension(

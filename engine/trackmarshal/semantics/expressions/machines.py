@@ -126,15 +126,8 @@ def kept(expr: ast.Attribute, x: Expressions, ctx: Context) -> typed.Kept:
     known = {keep.name: keep.value for one in machine.transitions for keep in one.kept}
     if expr.name not in known:
         hint = close_matches(expr.name, known) or f"ask for its state: `{_text(expr.value)} is ...`"
-        x.fail(
-            UnknownField(
-                expr.span,
-                f"the state `{machine.symbol.name}`",
-                expr.name,
-                ", ".join(known) or "nothing to read",
-                hint,
-            )
-        )
+        what, shown = f"the state `{machine.symbol.name}`", ", ".join(known) or "nothing to read"
+        x.fail(UnknownField(expr.span, what, expr.name, shown, hint))
     value = known[expr.name]
     return typed.Kept(value.dimension, value.written, machine, expr.name, expr.span)
 

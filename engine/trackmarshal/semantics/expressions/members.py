@@ -79,18 +79,8 @@ def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Contex
                 x.fail(unknown(enumeration, expr.name, span))
             return typed.Member(enumeration, expr.name, span)
         if expr.name in enumeration.members and isinstance(local, typed.NamedMember):
-            where = f" of `{enumeration.name.rpartition('.')[2]}`"
-            x.fail(
-                Hides(
-                    local.span,
-                    None,
-                    "the `let`",
-                    expr.name,
-                    "member",
-                    where,
-                    "give the `let` a name of its own",
-                )
-            )
+            where, remedy = f" of `{enumeration.name.rpartition('.')[2]}`", "give the `let` a name of its own"
+            x.fail(Hides(local.span, None, "the `let`", expr.name, "member", where, remedy))
         if expr.name in enumeration.members:
             return typed.Member(enumeration, expr.name, span)
     value = x.value(expr, ctx)
@@ -115,11 +105,8 @@ def case(expr: ast.Case, x: Expressions, ctx: Context) -> typed.NumberCase | typ
         if not isinstance(value, typed.FormulaNode if formula else typed.NumberNode):
             at: Span = branch.value.__dict__["span"]
             wanted = "a formula" if formula else "a number"
-            x.fail(
-                WrongKind(
-                    at, wanted, spoken(value), "all branches of a `case` are numbers, or all are formulas"
-                )
-            )
+            alike = "all branches of a `case` are numbers, or all are formulas"
+            x.fail(WrongKind(at, wanted, spoken(value), alike))
     rows = list(zip(members, [not branch.members for branch in expr.branches], values, strict=True))
     spans = [branch.span for branch in expr.branches]
     if formula:

@@ -126,15 +126,11 @@ def axis(
             hint = f"write `consecutive {', '.join(names)}`, or a quantifier for each"
         x.fail(UnknownReference(span, "several variables range together over consecutive samples only", hint))
     if consecutive and not signal.sequence:
-        x.fail(
-            UnknownReference(span, f"the elements of `{signal.name}` have no order", "remove `consecutive`")
-        )
+        problem = f"the elements of `{signal.name}` have no order"
+        x.fail(UnknownReference(span, problem, "remove `consecutive`"))
     if consecutive and len(names) < 2:
-        x.fail(
-            UnknownReference(
-                span, "`consecutive` binds two or more samples", "add a variable, or remove `consecutive`"
-            )
-        )
+        hint = "add a variable, or remove `consecutive`"
+        x.fail(UnknownReference(span, "`consecutive` binds two or more samples", hint))
     return _range(value, names, span, x, ctx, clause)
 
 

@@ -84,13 +84,8 @@ def resolved(x: Expressions, symbol: typed.Symbol, at: Span, stack: tuple[str, .
         x.units[name] = {**x.units[other.qualified], **x.units[name]}
     twice = next((field for field in item.fields_ if field.name in base), None)
     if twice is not None:
-        x.fail(
-            ShapeProblem(
-                twice.span,
-                f"`{item.base}` has a field `{twice.name}` already",
-                "leave it out, or give it another name",
-            )
-        )
+        problem = f"`{item.base}` has a field `{twice.name}` already"
+        x.fail(ShapeProblem(twice.span, problem, "leave it out, or give it another name"))
     x.failed.discard(name)
     x.shapes[name] = {**base, **own}
     return x.shapes[name]

@@ -75,9 +75,8 @@ def _last(limit: ast.Expr, x: Expressions, ctx: Context) -> typed.Window:
     """The window of a count: so long until now."""
     number, seconds = bound(limit, x, ctx)
     if seconds < 0.0:
-        x.fail(
-            BadValue(ast.span_of(limit), f"a window starts at zero or later, not at {in_full(seconds, 's')}")
-        )
+        problem = f"a window starts at zero or later, not at {in_full(seconds, 's')}"
+        x.fail(BadValue(ast.span_of(limit), problem))
     zero = typed.Literally(TIME, "s", "0", "s", 0.0, ast.span_of(limit))
     return typed.Window(zero, number, (0.0, seconds), ast.span_of(limit))
 
@@ -120,14 +119,8 @@ def bound(limit: ast.Expr, x: Expressions, ctx: Context) -> tuple[typed.Number, 
         x.fail(BadValue(value.span, problem, None, unit_hint(value, TIME)))
     seconds = typed.literal(value)
     if seconds is None:
-        x.fail(
-            BadValue(
-                value.span,
-                "the window of a temporal operator is constant",
-                None,
-                "write a number with a unit of time: how much is remembered is known before the run, and a parameter may be overridden",
-            )
-        )
+        hint = "write a number with a unit of time: how much is remembered is known before the run, and a parameter may be overridden"
+        x.fail(BadValue(value.span, "the window of a temporal operator is constant", None, hint))
     if abs(seconds) > NEVER:
         problem = f"no time is as long as {in_full(seconds, 's')}"
         x.fail(BadValue(value.span, problem, None, "leave the bound out where it is none"))
