@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple, assert_never
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
@@ -34,8 +33,7 @@ class _Step(NamedTuple):
     book: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Book:
+class _Book(NamedTuple):
     """A rulebook with what it builds on. sound: nothing is wrong with it."""
 
     rules: tuple[str, ...]
