@@ -189,6 +189,10 @@ def test_a_unit_or_a_convention_that_the_log_contradicts(
         ("left.csv", "nowhere.csv", "D178", None),
         ("time: {rate: 10}", "time: {rate: 10, from: 29}", "D176", None),
         ("x: 1, y: 2}\n  right", "x: 1, y: 7}\n  right", "D170", 1),
+        # What is there twice: a road without a width, a border that is a diagonal, a car that turns as it drives.
+        ("left.csv", "right.csv", "D151", 14),
+        ("x: 1, y: 2}\n  right", "x: 2, y: 2}\n  right", "D151", 13),
+        ("{column: yaw,", "{column: x,", "D151", 10),
     ],
 )
 def test_a_bad_mapping_is_refused(tmp_path: Path, old: str, new: str, code: str, number: int | None) -> None:

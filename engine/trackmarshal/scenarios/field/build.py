@@ -69,6 +69,10 @@ def build(mapping: Mapping, path: Path | None = None, raw: bool = False) -> Driv
     motion = smoother.smooth(log, noise) if smooth else as_logged(log)
     _explained(mapping, motion)
     borders = [logs.border(mapping, border) for border in mapping.track]
+    if borders[0] == borders[1]:  # of which none is on the wrong side
+        raise TrackmarshalError(
+            "D151", "track.right: this is the left border", file=mapping.source, line=mapping.track[1].file.line, help="name the file of the right one"
+        )  # fmt: skip
     rows = _cycles(mapping, log)
     _on_their_sides(log, rows, borders)
     times = log.t[rows]

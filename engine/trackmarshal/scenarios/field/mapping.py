@@ -29,6 +29,7 @@ NEEDED = ("t", "x", "y", "heading", "v")
 ZEROS = {"+x": 0, "+y": 1, "-x": 2, "-y": 3}
 #: What a vehicle's spec says of how it brakes, by which emergency trajectories are made.
 BRAKING = ("mu", "g", "mass", "drag", "b_max")
+_ONE_COLUMN = "the column `{}` is to be `{}`, too"
 #: What a firing may be put down to by a person.
 DECLARED_CAUSES = ("rule", "real")
 
@@ -172,6 +173,11 @@ def _columns(item: Item) -> tuple[dict[str, Column], int, int]:
         if more:
             zero = ZEROS[fields["zero"].choice(tuple(ZEROS))]
             sign = 1 if fields["turns"].choice(("left", "right")) == "left" else -1
+    first: dict[str | int, str] = {}
+    for name, column in columns.items():
+        other = first.setdefault(column.name, name)
+        if other != name:
+            raise found[name].wrong(_ONE_COLUMN.format(column.name, other), "each is a column of its own")
     return columns, zero, sign
 
 
@@ -213,6 +219,8 @@ def _border(item: Item) -> Border:
         raise fields["unit"].wrong(f"{unit} is no length", "a unit like m")
     digest = fields["sha256"].text() if "sha256" in fields else ""
     x, y = (Column(_column_name(fields[name]), unit, fields[name].line) for name in ("x", "y"))
+    if x.name == y.name:
+        raise fields["y"].wrong(_ONE_COLUMN.format(x.name, "x"), "each is a column of its own")
     delimiter = fields["delimiter"].choice((",", ";", "tab")) if "delimiter" in fields else ","
     return Border(Named(fields["path"].text(), digest, item.line), x, y, delimiter)
 
