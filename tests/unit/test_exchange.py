@@ -468,6 +468,22 @@ def test_a_default_is_named_by_its_word() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("pattern", "other", "twice"),
+    [
+        ("<ENUM-VALUE .*</ENUM-VALUE>", ("approved", "draft"), "e1"),
+        ("<ATTRIBUTE-DEFINITION-ENUM.*</ATTRIBUTE-DEFINITION-ENUMERATION>", ("status", "asil"), "ae"),
+        ('<SPEC-RELATION-TYPE IDENTIFIER="r".*/>', ("Refines", "verifies"), "r"),
+    ],
+)
+def test_an_identifier_that_is_there_twice(pattern: str, other: tuple[str, str], twice: str) -> None:
+    """The last one counted: what is approved was a draft, a status an ASIL, and what refines something verified it."""
+    found = re.findall(pattern, REQIF)[0]
+    with pytest.raises(Refused, match=rf"T355.*`{twice}` is there twice"):
+        read(REQIF.replace(found, found + found.replace(*other)), "reqif", DOOR)
+    assert read(REQIF.replace(found, found + found), "reqif", DOOR)[0] == read(REQIF, "reqif", DOOR)[0]
+
+
 def test_groups_of_relations_are_named() -> None:
     group = """<SPEC-RELATION-GROUPS><RELATION-GROUP IDENTIFIER="g" LAST-CHANGE="2026-01-02T00:00:00Z" LONG-NAME="All">
       <SOURCE-SPECIFICATION><SPECIFICATION-REF>s</SPECIFICATION-REF></SOURCE-SPECIFICATION><SPEC-RELATIONS><SPEC-RELATION-REF>x1</SPEC-RELATION-REF></SPEC-RELATIONS>

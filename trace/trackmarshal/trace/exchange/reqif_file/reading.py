@@ -65,19 +65,21 @@ class _Reading:
             raise Refused("T354", "no ReqIF: it has no content", shown, 1, "export it again")
         self._content: Any = content
         self._title = bundle.req_if_header.title if bundle.req_if_header else None
-        self._words = {
-            word.identifier: word.long_name or word.key for kind in content.data_types or () for word in getattr(kind, "values", None) or ()
-        }  # fmt: skip
-        self._kinds: dict[str, str] = {
-            kind.identifier: kind.long_name or kind.identifier for kind in content.spec_types or ()
-        }
+        self._words: dict[str, str] = {}
+        for kind in content.data_types or ():
+            for word in getattr(kind, "values", None) or ():
+                self._called_once(self._words, word, word.long_name or word.key, kind)
+        self._kinds: dict[str, str] = {}
+        for kind in content.spec_types or ():
+            self._called_once(self._kinds, kind, kind.long_name or kind.identifier, kind)
         self._names: dict[str, str] = {}
         for kind in content.spec_types or ():
             for definition in [
                 *(getattr(kind, "attribute_definitions", None) or ()),
                 *(getattr(kind, "spec_attributes", None) or ()),
             ]:
-                self._names[definition.identifier] = definition.long_name or definition.identifier
+                name = definition.long_name or definition.identifier
+                self._called_once(self._names, definition, name, definition)
                 if isinstance(definition.default_value, str):
                     self._dropped(
                         f"the default `{self._words.get(definition.default_value) or definition.default_value}` of the attribute `{definition.long_name}`",
@@ -87,8 +89,7 @@ class _Reading:
         self._objects: dict[Any, Any] = {}
         for one in content.spec_objects or ():
             if one.identifier in self._objects:
-                message = f"`{one.identifier}` is there twice"
-                raise self._refused("T355", message, one, "identifiers are unique in ReqIF")
+                raise self._twice(one, one)
             self._objects[one.identifier] = one
         if content.spec_relation_groups:
             self._dropped("what groups relations", None)
@@ -96,6 +97,16 @@ class _Reading:
         for key, one in self._objects.items():
             self._named(key, one)
         self._relate()
+
+    def _called_once(self, into: dict[str, str], one: Any, name: str, where: Any) -> None:
+        """Note what is called so; raises T355 where its identifier is that of something that is called otherwise: values would be of either."""
+        if into.setdefault(one.identifier, name) != name:
+            raise self._twice(one, where)
+
+    def _twice(self, one: Any, where: Any) -> Refused:
+        return self._refused(
+            "T355", f"`{one.identifier}` is there twice", where, "identifiers are unique in ReqIF"
+        )
 
     def drafts(self) -> Iterator[Draft]:
         seen: set[str] = set()
