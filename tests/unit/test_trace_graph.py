@@ -27,8 +27,8 @@ from trackmarshal.trace.graph.integrity import by_table_4
 from trackmarshal.trace.graph.kinds import LINKS, NODES, WAYS
 from trackmarshal.trace.graph.paths import named, paths
 from trackmarshal.trace.graph.reviewed import reviewed, unreviewed
-from trackmarshal.trace.graph.schema import default
-from trackmarshal.trace.model import Reviewed
+from trackmarshal.trace.graph.schema import Asking, default
+from trackmarshal.trace.model import Project, Reviewed, Way
 from trackmarshal.trace.spec import Spec
 from trackmarshal.trace.values import Placed
 
@@ -403,6 +403,27 @@ def test_the_last_review_of_the_present_version_counts(
     links = [Link("reviews", one.key, read.key, state, NOWHERE) for one in made]
     graph = Graph({node.key: node for node in (read, *made)}, links)
     assert reviewed(graph, read) == (stands and state == "covers")
+
+
+@pytest.mark.parametrize(
+    ("readers", "least", "met"),
+    [
+        (["A"], 1, True), (["A"], 2, False), (["A", "A"], 1, True), (["A", "A"], 2, False), (["A", "B"], 2, True), (["A", "A", "B"], 3, False),
+        (["AB"], 2, False), (["AB", "A"], 2, True),
+    ],
+)  # fmt: skip
+def test_who_reads_a_thing_twice_is_no_second_reader(readers: list[str], least: int, met: bool) -> None:
+    """Each letter is a person, each entry a review: two reviews were asked for, and one person had written both."""
+    read = requirement("R-0", "D")
+    persons = [Node("person", name, name, NOWHERE, {}) for name in "AB"]
+    made = [Node("review", f"RV-{n}", "", NOWHERE, {"outcome": "accepted"}) for n, _ in enumerate(readers)]
+    links = [Link("reviews", one.key, read.key, "covers", NOWHERE) for one in made]
+    for one, by in zip(made, readers):
+        links += [Link("made_by", one.key, ("person", name), "covers", NOWHERE) for name in by]
+    graph = Graph({node.key: node for node in (read, *persons, *made)}, links)
+    none = Placed.at("", NOWHERE)
+    way = Way(NOWHERE, Placed.at("reviewed_by", NOWHERE), none, none, (), (), least)
+    assert Asking(graph, Project()).met(read, [way]) == met
 
 
 _OWNED = """document: link-schema

@@ -200,7 +200,7 @@ WAY = Record("way", "One way to meet a need: links, a field, or something that i
     optional("field", TEXT, "An attribute of the node that is filled in."),
     optional("kinds", Many(Word(dict.fromkeys(NODES, "")), 1), "With `link`: only nodes of these kinds count."),
     optional("where", _WHERE, "Only nodes count of which all of this is true."),
-    optional("at_least", Count(), "How many are needed; 1 if not given."),
+    optional("at_least", Count(), "How many are needed; 1 if not given. Of reviews, by so many persons."),
     optional("every", TEXT, "With `link`: an attribute of nodes at its other end that is an ASIL; every node of which it is no higher than that of the node itself is wanted."),
     optional("unless", TEXT, "With `every`: an attribute of the node that lists those that are not wanted."),
     optional("at_most", Count(), "More than so many are a finding of their own."),

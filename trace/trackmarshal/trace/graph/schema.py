@@ -60,6 +60,10 @@ def check(graph: Graph, project: Project, asking: Asking) -> Iterator[Finding]:
             yield from _of_way(way, "requirement")
 
 
+#: The links of which there are as many as persons at their other ends.
+_READ = LINKS["reviews"].converse
+
+
 class Asking:
     """Needs asked of a graph; what several of them want to know is worked out once."""
 
@@ -132,10 +136,15 @@ class Asking:
         if not ends or (outward and not (way.kinds or way.where)):
             return len(ends) if len(ends) < 2 else len(set(ends))
         others = [self._graph.nodes[key] for key in dict.fromkeys(ends) if key in self._graph.nodes]
-        return sum(
-            other.demanded and (not way.kinds or other.kind in way.kinds) and fits(other, way.where)
+        counted = [
+            other
             for other in others
-        )
+            if other.demanded and (not way.kinds or other.kind in way.kinds) and fits(other, way.where)
+        ]
+        if way.link == _READ:  # who reads a thing twice is no second reader
+            links = (link for review in counted for link in self._graph.out_of(review.key))
+            return min(len(counted), len({link.target for link in links if link.kind == "made_by"}))
+        return len(counted)
 
     def _withdrawn(self, node: Node) -> Container[Key]:
         """What is demanded no longer, which is no reason for what still is, and answers nothing of it."""
@@ -196,7 +205,8 @@ def _lack(number: int, way: Way) -> str:
     ends = f" ({', '.join(way.kinds)})" if way.kinds else ""
     if number == 0 and way.at_least == 1:
         return f"no link `{way.link}`{ends}{where}"
-    return f"{number} of {way.at_least} links `{way.link}`{ends}{where}"
+    several = " by different persons" if way.link == _READ else ""
+    return f"{number} of {way.at_least} links `{way.link}`{several}{ends}{where}"
 
 
 def _count(number: int, way: Way) -> str:
