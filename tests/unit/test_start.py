@@ -337,6 +337,12 @@ def test_a_name_that_yaml_and_markdown_could_stumble_over(tmp_path: Path) -> Non
     assert run_command("trace", "--gate", "--project", str(root))[0] == 0
 
 
+def test_a_requirement_that_is_named_twice_stands_once_in_a_new_rule(project: Path) -> None:
+    """The rule was written so that the gate refused it (T210)."""
+    assert run_command("new", "rule", "slow", "--satisfies", "R-1", "--satisfies", "R-1")[0] == 0
+    assert "satisfies R-1\n" in (project / "specs" / "slow.spec").read_text("utf-8")
+
+
 def test_new_pieces_pass_check_and_turn_the_gate_red_until_they_are_covered(project: Path) -> None:
     before = contents(project)
     for words in (

@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
     root = find_project(args)
     place = _place(root)
     if args.piece == "rule":
-        made = pieces.rule(place, args.name, tuple(args.satisfies))
+        made = pieces.rule(place, args.name, tuple(dict.fromkeys(args.satisfies)))
     elif args.piece == "requirement":
         made = pieces.requirement(place, args.name)
     elif args.piece == "rulebook":
