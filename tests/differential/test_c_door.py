@@ -335,8 +335,8 @@ def test_no_input_makes_the_door_read_or_compute_what_it_may_not(made_by: str, t
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
     flags = ["-std=c99", "-ffp-contract=off", *SANITIZED]
-    sizes = {"SAMPLES": door_fuzz.SAMPLES, "ELEMENTS": door_fuzz.ELEMENTS, "BORDER": door_fuzz.BORDER}
-    macros = [f"-DTM_MAX_{name}={size}u" for name, size in sizes.items()]
+    sizes = {"MAX_SAMPLES": door_fuzz.SAMPLES, "LIMIT_ELEMENTS": door_fuzz.ELEMENTS, "MAX_BORDER": door_fuzz.BORDER}  # fmt: skip
+    macros = [f"-DTM_{name}={size}u" for name, size in sizes.items()]
     command = [made_by, *flags, *macros, "supervisor.c", "fuzz.c", "-o", "fuzz", "-lm"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")

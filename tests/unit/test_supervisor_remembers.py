@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from support.length import amount, shared_out
+from trackmarshal.backends.c.step import Stepper
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
@@ -473,6 +474,17 @@ def test_more_cycles_than_what_looks_ahead_has_room_for(formula: str) -> None:
         assert mine in (wanted, {"undefined"}), number
     assert {"undefined"} in seen
     assert {"satisfied"} in seen
+
+
+def test_less_room_than_a_set_declares_refuses_what_exceeds_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Capacities are macros of whoever compiles: the door went by the declared one, and C wrote behind the end of what it remembers."""
+    sizes = Stepper._sizes
+    monkeypatch.setattr(Stepper, "_sizes", staticmethod(lambda *args: {**sizes(*args), "TM_MAX_ELEMENTS": 2}))
+    signals = SIGNALS.replace("object { x: m }", "object { x: m } capacity 4 forget 1 s")
+    rig = Rig('rule far "" for all o in objects require not once[0 s, 1 s] o.x > 5 m\n', "c", spec=signals)
+    for count in (0, 1, 2, 3, 4, 5, 2):
+        decision = rig.step(objects={"id": [str(i) for i in range(count)], "x": [0.0] * count})
+        assert [name_of(fault) for fault in decision.faults] == ["over_capacity"] * (count > 2), count
 
 
 def test_a_memory_that_is_too_large_is_refused() -> None:

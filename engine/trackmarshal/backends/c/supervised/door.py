@@ -14,7 +14,7 @@ from trackmarshal.backends.c.supervised.contract import Supervised
 from trackmarshal.backends.c.supervised.lanes import lanes_of
 from trackmarshal.backends.c.supervised.machine import ego_of
 from trackmarshal.backends.c.supervised.order import fit, order
-from trackmarshal.runtime.contract import EGO, EVENT, ID, LINES, RECORD, Field, Signal
+from trackmarshal.runtime.contract import EGO, EVENT, ID, LINES, RECORD, SET, Field, Signal
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY
 
 _NO_FIELD = '""'
@@ -55,6 +55,9 @@ class Door:
         for check in signal.checks:
             yield f"  }} else if (!{condition(check, {'n': '1.0' if record else '(double)in->count'}, capacities)}) {{"
             yield f"    {breach(check.kind.fault, 'signal', _NO_FIELD, capacity(check, capacities))}"
+        if signal.form == SET:  # whatever it may have by its declaration
+            yield "  } else if (in->count > TM_MAX_ELEMENTS) {"
+            yield f"    {breach('over_capacity', 'signal', _NO_FIELD, 'TM_MAX_ELEMENTS')}"
         yield "  } else {"
         for field in (*signal.numbers, *signal.flags):
             sort = "flags" if field.kind == "bool" else "numbers"
