@@ -22,7 +22,9 @@ class Run:
 
     def __init__(self, evaluator: Evaluator, saved: Sequence[str] | None = None) -> None:
         self._evaluator = evaluator
-        self._memory = evaluator.program.start()
+        #: The same to the end: an evaluator that has to do without C takes another one for what comes.
+        self._program = evaluator.program
+        self._memory = self._program.start()
         self._last: int | None = None
         if saved is not None:
             self._restore(saved)
@@ -32,23 +34,21 @@ class Run:
         for a cycle whose name is neither a whole number nor a text."""
         kind, of = self._of()
         pieces: list[saving.Piece] = [["run", self._last]]
-        return saving.whole(
-            saving.Saving(kind, of, chain(pieces, saving.save(self._evaluator.program, self._memory)))
-        )
+        return saving.whole(saving.Saving(kind, of, chain(pieces, saving.save(self._program, self._memory))))
 
     def _restore(self, saved: Sequence[str]) -> None:
         pieces = saving.opened(saved, *self._of())
         try:
             (last,) = pieces.next("run", 1)
             self._last = None if last is None else saving.checked(last, int)
-            self._memory = saving.restored(self._evaluator.program, pieces)
+            self._memory = saving.restored(self._program, pieces)
             pieces.end()
         except saving.NOT_SAVED as error:
             raise saving.damaged(str(error)) from error
 
     def _of(self) -> tuple[str, str]:
         """Who can restore it, and the hash of all that it rests on."""
-        program = self._evaluator.program
+        program = self._program
         kind, words = saving.kept_by(program)
         return kind, saving.meaning(program.spec, [rule.name for rule in program.rules], words, more="run")
 
@@ -56,16 +56,15 @@ class Run:
         """The result of the next cycle. Raises TrackmarshalError D206 for a stamp that is none, or not after the last one, D211 for a curvature that
         is not there."""
         with self._coming(frame):
-            program = self._evaluator.program
-            judged = program.judge(self._memory, frame)
-            self._memory = program.commit(self._memory, frame, None)
+            judged = self._program.judge(self._memory, frame)
+            self._memory = self._program.commit(self._memory, frame, None)
             ((_, rated),) = judged.rated.items()
             return self._evaluator.result(frame, rated, series)
 
     def remember(self, frame: Frame) -> None:
         """The next cycle, of which only what is remembered of it is asked. Raises TrackmarshalError as `step`."""
         with self._coming(frame):
-            self._memory = self._evaluator.program.commit(self._memory, frame, None)
+            self._memory = self._program.commit(self._memory, frame, None)
 
     @contextmanager
     def _coming(self, frame: Frame) -> Iterator[None]:
@@ -79,8 +78,8 @@ class Run:
 
     def missed(self) -> None:
         """A cycle that could not be read: a gap."""
-        self._memory = self._evaluator.program.missed(self._memory)
+        self._memory = self._program.missed(self._memory)
 
     def end(self) -> Mapping[str, tuple[About, ...]]:
         """By rule, what is said of cycles that were open."""
-        return self._evaluator.program.end(self._memory)
+        return self._program.end(self._memory)

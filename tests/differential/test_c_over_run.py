@@ -383,6 +383,30 @@ def test_a_run_that_began_with_many_elements_is_restored() -> None:
             saved = run.save()
 
 
+def test_a_run_goes_on_in_c_where_another_case_takes_numpy(capsys: pytest.CaptureFixture[str]) -> None:
+    """With `auto`, an evaluator does without C from the first case on that C refuses; numpy was asked about what C remembered of the run."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m }\nevent flag\n"
+        "zone z = polygon (0 m, 0 m) (9 m, 0 m) (9 m, 9 m)\n"
+        'rule f "" require not once[0 s, 5 s] flag\nrule g "" require ego in zone z or ego.x < 99 m\n'
+    )
+    evaluator = Evaluator(spec, backend="auto")
+
+    def case(number: int, **more: Any) -> Any:
+        signals = {"ego": {"x": 1.0, "y": 0.5}, "flag": number == 0}
+        return evaluator.read({"t": number / 10, "signals": signals, **more})
+
+    run = evaluator.over_run()
+    found = [run.step(case(0)).rules["f"].verdict]
+    all_but_zero = {"z": [[1e-70, 0.0], [8.0, 0.0], [8.0, 8.0]]}
+    assert next(iter(evaluator.evaluate([case(1, places=all_but_zero)]))).safe
+    assert evaluator.backend == "numpy", capsys.readouterr().err
+    saved = run.save()
+    found += [run.step(case(2)).rules["f"].verdict]
+    found += [Evaluator(spec, backend="auto").over_run(saved).step(case(2)).rules["f"].verdict]
+    assert found == ["violated"] * 3
+
+
 def test_rules_by_themselves_refuse_what_cannot_come_next() -> None:
     """Before the rules alone there is no door: a time that does not follow, and ids that are not there or alike, are refused in C itself."""
     spec = loads(SIGNALS + 'rule f "" for all o in objects require once[0 s, 1 s] o.v > 0 m/s\n')
