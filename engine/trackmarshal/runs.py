@@ -244,7 +244,15 @@ class WholeRun:
             )  # fmt: skip
         if self._origin is None:
             self._origin = int(stamps[0])
-        parts = [self._block(arrays, stamps, gaps, at) for at in range(0, len(stamps), BLOCK)]
+        before = self._count
+        try:
+            parts = [self._block(arrays, stamps, gaps, at) for at in range(0, len(stamps), BLOCK)]
+        except TrackmarshalError:
+            taken = self._count - before
+            if taken:  # what is left of the piece no rule was asked about
+                self.missed(len(stamps) - taken + int(gaps[taken:].sum()))
+                self._last = int(stamps[-1])
+            raise
         self._last = int(stamps[-1])
         return parts[0] if len(parts) == 1 else _joined(parts)
 
@@ -302,7 +310,14 @@ class WholeRun:
                 run.missed()
             # Counted from the first stamp: seconds as floating-point numbers would not tell stamps since 1970 apart.
             frame.t, frame.number = (int(stamps[place]) - self._origin) / 1e9, self._count + place
-            results.append(run.step(frame).rules)
+            try:
+                results.append(run.step(frame).rules)
+            except TrackmarshalError:
+                # Generated C does not hold it: to these rules, it and those behind it are a gap.
+                for _ in range(len(frames) - place + int(gaps[place + 1 :].sum())):
+                    run.missed()
+                self._count += len(frames)
+                raise
         made = {}
         for name in self.by_cycle:
             own = [each[name] for each in results]

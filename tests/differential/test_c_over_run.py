@@ -9,6 +9,7 @@ import random
 import re
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
@@ -367,6 +368,32 @@ def test_who_had_more_elements_than_there_is_room_for_is_not_forgotten() -> None
     (wanted,) = said({"reference": Evaluator(spec, backend="reference")}, others).values()
     assert found == wanted[: len(found)]
     assert {one["run"][0] for one in found} == {"violated"}
+
+
+@pytest.mark.parametrize("block", [1, 2, 3, 8])
+def test_of_a_piece_that_c_does_not_hold_nothing_is_known(
+    block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that is read in pieces: rules that go cycle by cycle went on as if the piece had not been, and others knew it."""
+    monkeypatch.setattr("trackmarshal.runs.BLOCK", block)
+    spec = loads(
+        SIGNALS + 'rule each "" for all o in objects require not once[0 s, 9 s] ego.v > o.v + 20 m/s\n'
+        'rule run "" require not once[0 s, 9 s] ego.v > 20 m/s\n'
+    )
+    run, said = Evaluator(spec, backend="c").whole_run(), list[Any]()
+    for first, count, speeds in ((0, 2, [5.0, 5.0]), (2, 33, [5.0, 5.0, 30.0, 5.0]), (6, 2, [5.0, 5.0])):
+        t = np.arange(first, first + len(speeds)) * 10**8
+        objects = {"id": [str(i) for i in range(count)], "v": np.zeros((len(speeds), count))}
+        ego = {"v": np.array(speeds), "w": np.zeros(len(speeds))}
+        signals = {"ego": ego, "objects": objects, "flag": np.zeros(len(speeds), dtype=bool)}
+        if count > 32:
+            with pytest.raises(TrackmarshalError, match="in the middle of a run"):
+                run.step(t, signals)
+        else:
+            said.append({name: list(verdicts) for name, verdicts in run.step(t, signals).verdicts.items()})
+    assert said[0] == {"each": ["satisfied"] * 2, "run": ["satisfied"] * 2}
+    assert said[1]["each"] == ["undefined"] * 2
+    assert set(said[1]["run"]) <= {"undefined", "violated"}
 
 
 def test_a_run_that_began_with_many_elements_is_restored() -> None:
