@@ -80,6 +80,20 @@ def test_two_of_one_name_are_an_error(tmp_path: Path) -> None:
     assert "two files are module `vehicles.devbot`" in [error.message for error in compiled.errors]
 
 
+def test_a_copy_of_shipped_rules_in_a_folder_of_another_name_is_told_where_to_lie(tmp_path: Path) -> None:
+    """What uses `supervisor.interface` reads the library's, wherever a copy lies that its name does not lead to."""
+    copied = REPOSITORY / "specs" / "supervisor"
+    for name in ("interface", "assumptions"):
+        source = (copied / f"{name}.spec").read_text(encoding="utf-8")
+        for folder in ("mine", "supervisor"):
+            (tmp_path / folder).mkdir(exist_ok=True)
+            (tmp_path / folder / f"{name}.spec").write_text(source, encoding="utf-8")
+    (error,) = compile_paths([tmp_path / "mine" / "interface.spec", copied / "interface.spec"]).errors
+    said = "`use supervisor.interface` reads supervisor/interface.spec: keep interface.spec there, or rename its module"
+    assert error.help == said
+    assert not compile_paths([tmp_path / "supervisor"]).errors
+
+
 def test_what_a_project_does_not_demand_is_not_asked_of_it(tmp_path: Path) -> None:
     assert run_command("init", str(tmp_path), "--quiet")[0] == 0
     (tmp_path / "specs" / "signals.spec").unlink()

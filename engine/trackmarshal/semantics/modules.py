@@ -188,7 +188,8 @@ class Library:
         if name in self.modules:
             other = self.modules[name]
             at, first = (_named(m.tree, Span(m.file, 0, min(len(m.file.text), 1))) for m in (module, other))
-            self.found.append(ModuleName(at, f"two files are module `{name}`", "rename one of them", first))
+            hint = _one_of_two(name, module, other)
+            self.found.append(ModuleName(at, f"two files are module `{name}`", hint, first))
             return None
         self.modules[name] = module
         return module
@@ -267,6 +268,16 @@ def _modules_below(root: Path, most: int = 2000) -> list[str]:
         if most < 0:
             break
     return names
+
+
+def _one_of_two(name: str, *modules: LoadedModule) -> str:
+    """What to do where two files are one module. A copy of a shipped one in a folder of another name is not found by its name: who uses the module reads
+    the shipped file."""
+    parts = tuple(name.split("."))
+    apart = [one for one in modules if one.path.with_suffix("").parts[-len(parts) :] != parts]
+    if len(apart) != 1:
+        return "rename one of them"
+    return f"`use {name}` reads {'/'.join(parts)}.spec: keep {apart[0].path.name} there, or rename its module"
 
 
 def _as_name(stem: str) -> str:
