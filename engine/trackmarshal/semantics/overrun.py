@@ -66,7 +66,8 @@ def _called(node: ir.Remembered) -> str:
 
 def _of_operator(node: ir.Remembered) -> OverRunProblem | None:
     # No sample is known again in another cycle: the quantifier that binds it was looked at first, and refused.
-    assert all(axis.kind != "samples" for axis in sets(node))
+    if any(axis.kind == "samples" for axis in sets(node)):
+        raise AssertionError(f"`{node.span.text}` binds a sample over the run")
     if (
         isinstance(node, ir.Counted)
         and node.upper is None
