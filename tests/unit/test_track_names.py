@@ -12,7 +12,7 @@ import pytest
 import trackmarshal as tm
 from support.cycles import PERIOD, cycle
 from support.shared import shared
-from support.supervised import ROOT, shipped
+from support.supervised import BACKENDS, ROOT, shipped
 from trackmarshal.cli.main import main
 from trackmarshal.ir.spec import Spec, track_of
 from trackmarshal.runtime.faults import name_of
@@ -106,6 +106,27 @@ def test_a_cycle_names_its_track(backend: str, name: Any, faults: list[str]) -> 
 def test_where_no_rule_reads_the_borders_too(backend: str) -> None:
     made = tm.supervisor(shipped(), ["zone_speed_limit"], backend, {"budget": 1e9}, lambda: 0.0)
     assert [name_of(fault) for fault in made.step(named("monteblanco")).faults] == ["wrong_track"]
+
+
+@BACKENDS
+@pytest.mark.parametrize(
+    ("rules", "names", "wrong"),
+    [
+        (["friction"], ["modena", 7, "monteblanco", b"modena", None], [1, 3]),
+        (["zone_speed_limit"], ["modena", 7, "monteblanco", "modena", None], [1, 2]),
+    ],
+)
+def test_a_name_that_changes_in_the_middle_of_a_run(
+    backend: str, rules: list[str], names: list[Any], wrong: list[int]
+) -> None:
+    """Borders that no rule reads came as arrays, and what the track was called behind the first cycle went unnoticed in C."""
+    now = 0.0
+    made = tm.supervisor(shipped(), rules, backend, {"budget": 1e9}, lambda: now)
+    for number, name in enumerate(names):
+        now = number * PERIOD
+        decision = made.step(named(name, number))
+        assert [(one.signal, one.field) for one in decision.faults] == [("track", "name")] * (number in wrong)
+        assert decision.safe == (number not in wrong)
 
 
 def test_a_case_that_brings_its_own_places() -> None:

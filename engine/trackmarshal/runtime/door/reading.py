@@ -141,9 +141,9 @@ class SignalsReader:
             names, objects = (tuple(one), tuple(one.values())) if type(one) is dict else ((), (one,))
             if _FROZEN.issuperset(map(type, objects)) and {str}.issuperset(map(type, names)):
                 found.append((name, names, objects))
-            elif self._places or name not in self._unread:
+            elif name not in self._unread:
                 return None
-            # Where no rule reads a place, nothing depends on the name: borders that nobody reads keep no cycle from being the same.
+            # Borders that nobody reads keep no cycle from being the same; what the track is called is looked at in each that has more than that.
         return None if self.lanes else tuple(found)
 
     def same_track(self, raw: Mapping[Any, Any], settings: Settings, faults: list[Fault]) -> None:
@@ -221,7 +221,9 @@ class CycleReader:
             arena = self.at_once.read(cycle.driving, cycle.emergency, signals)
             if arena is not None and (arena.shape.whole or signals.keys() <= self._known):
                 if arena.shape.unchanged:
-                    return Frame.unread(self.settings, arena, *others), faults
+                    if not arena.shape.whole:
+                        self.shared.same_track(signals, self.settings, faults)
+                    return Frame.unread(self.settings, arena, *others), self._but_known(cycle, faults)
                 frame = Frame.unread(self.settings, arena, {}, {}, {})
                 self.shared.read_others(signals, frame, faults)
                 if self.at_once.remembers and not faults:
