@@ -15,7 +15,9 @@ from trackmarshal.library import LIBRARY
 from trackmarshal.semantics.modules import Library
 
 
-@pytest.mark.parametrize("meanwhile", [None, "written", "gone", "another"])
+@pytest.mark.parametrize(
+    "meanwhile", [None, "written", "gone", "another", "a new one", "one that was wanted"]
+)
 def test_what_is_written_while_it_is_read_is_not_kept(
     meanwhile: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -35,13 +37,41 @@ def test_what_is_written_while_it_is_read_is_not_kept(
             spec.unlink()
         elif meanwhile == "another" and other.exists():
             os.replace(other, spec)
+        elif meanwhile == "a new one":  # which nobody has read
+            (root / "specs" / "new.spec").write_text("new")
+        elif meanwhile == "one that was wanted":
+            (root / "wanted.jsonl").write_text("new")
         return facts.Facts([], [], [], {}, [], [])
 
-    facts.facts(root, ["specs"], [], make)
+    facts.facts(root, ["specs"], ["wanted.jsonl"], make)
     if meanwhile == "gone":
         spec.write_text("after")
-    facts.facts(root, ["specs"], [], make)
+    facts.facts(root, ["specs"], ["wanted.jsonl"], make)
     assert len(made) == (1 if meanwhile is None else 2)
+
+
+def test_what_is_written_while_it_is_hashed_is_not_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What had been read before was kept under the hash of what was written then: for good, as nothing changed any more."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    spec = tmp_path / "project" / "specs" / "a.spec"
+    spec.parent.mkdir(parents=True)
+    spec.write_text("before")
+    made: list[str] = []
+
+    def make() -> facts.Facts:
+        made.append(spec.read_text())
+        return facts.Facts([], [], [], {}, [], [])
+
+    def late(path: Path) -> bytes:
+        spec.write_text("after")
+        return path.read_bytes()
+
+    monkeypatch.setattr("trackmarshal.cli.kept.read_regular", late)
+    for _ in range(2):
+        facts.facts(tmp_path / "project", ["specs"], [], make)
+    assert made == ["before", "after"]
 
 
 @pytest.mark.parametrize("cache", ["cache", ".", "project", "project/cache"])

@@ -41,12 +41,27 @@ def kept(
             return from_json(known), known["state"]
         except (ValueError, KeyError, TypeError, TrackmarshalError):
             pass  # of another version of this program that has the same sources: made again
+    looked_for = sorted(files)
+    before = None if path is None else _there(root, below_, looked_for)
     with opened(root) as found:
         made = make()
-    # What was written while it was read may be of before or of after: nobody knows which, so it is not kept.
-    if path is not None and all(_about(os.path.join(root, name)) == was for name, was in found.items()):
-        return made, _keep(path, root, below_, sorted({*found, *files}), to_json(made))
+    if path is None:
+        return made, ""
+    read = sorted({*found, *looked_for})
+    state = _state(root, below_, read)
+    # What was written while it was read, or came, may be of before or of after: nobody knows which, so it is not kept. Asked behind the hash: what is
+    # written from here on is other than that.
+    if _there(root, below_, looked_for) == before and all(
+        _about(os.path.join(root, name)) == was for name, was in found.items()
+    ):
+        files_kept.keep(path, {"files": read, "state": state, **to_json(made)})
+        return made, state
     return made, ""
+
+
+def _there(root: Path, folders: list[str], files: list[str]) -> tuple[str, list[tuple[int, ...]]]:
+    """Which specs and documents there are in folders, and what files are like, whether they are there or not."""
+    return _state(root, folders, []), [_about(os.path.join(root, name)) for name in files]
 
 
 #: What says of an `open` that it writes.
@@ -136,13 +151,6 @@ def _state(root: Path, folders: list[str], files: list[str]) -> str:
         take(*map(os.path.realpath, sorted({path.parent for path in found})))
         take(*(os.path.realpath(path) for path in found if path.is_symlink()))
     return digest.hexdigest()
-
-
-def _keep(path: Path, root: Path, folders: list[str], files: list[str], made: Mapping[str, Any]) -> str:
-    """Keep it, and give the hash of what it was made from."""
-    state = _state(root, folders, files)
-    files_kept.keep(path, {"files": files, "state": state, **made})
-    return state
 
 
 def _read(path: Path, root: Path, folders: list[str]) -> Any:
