@@ -17,7 +17,7 @@ from trackmarshal import scenarios
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
-from trackmarshal.evaluation import Evaluator, loads
+from trackmarshal.evaluation import Evaluator, load, loads
 from trackmarshal.process.messages import Entry, LinkError
 from trackmarshal.runtime import declared
 from trackmarshal.runtime.cycle import Cycle
@@ -54,6 +54,25 @@ def test_comments_between_members_and_branches_stay() -> None:
     assert "-- slow" in format_text(of_text(text))
     rule = text + 'rule a "x" require r.v <= case r.f { green: 3 m/s, -- fast\n yellow: 2 m/s }\n'
     assert "-- fast" in format_text(of_text(rule))
+
+
+@pytest.mark.parametrize(
+    "rule", ["require race.flag is lamp.flag", "require green(race)"], ids=["asked for", "by a shape"]
+)
+def test_two_of_one_name_are_told_apart_by_their_modules(tmp_path: Path, rule: str) -> None:
+    (tmp_path / "one.spec").write_text(
+        "module one\nenum flag { green, red }\nsignal race : state { flag: flag }\n"
+    )
+    (tmp_path / "two.spec").write_text(
+        "module two\nenum flag { red, green }\nsignal lamp : state { flag: flag }\nshape lit = { flag: flag }\n"
+        "predicate green(o: lit) = o.flag is green\n"
+    )
+    path = tmp_path / "main.spec"
+    path.write_text(f'module main\nuse one\nuse two\nrule a "x" {rule}\n')
+    with pytest.raises(Diagnostics) as failed:
+        load([path], [], tmp_path)
+    assert "`one.flag`" in str(failed.value)
+    assert "`two.flag`" in str(failed.value)
 
 
 def test_a_word_of_the_language_is_no_member() -> None:

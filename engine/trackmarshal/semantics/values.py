@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import TypeAlias, assert_never
 
 from trackmarshal import typed
+from trackmarshal.ir.spec import Enumeration
 from trackmarshal.node import Node
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -75,7 +76,7 @@ def spoken(value: typed.Value) -> str:
             signal = value.signal
             return f"the {'set' if signal.many else signal.kind} `{signal.name}`"
         case typed.MemberNode():
-            return f"a member of `{value.enumeration.name.rpartition('.')[2]}`"
+            return member_spoken(value.enumeration)
         case typed.LineNode():
             return "a line"
         case typed.AreaNode():
@@ -84,6 +85,13 @@ def spoken(value: typed.Value) -> str:
             return "a footprint"
         case _:
             assert_never(value)
+
+
+def member_spoken(enumeration: Enumeration, beside: Enumeration | None = None) -> str:
+    """What messages call a member; with the enumeration's module beside one of another module that has the same name."""
+    name = enumeration.name.rpartition(".")[2]
+    alike = beside is not None and beside.name != enumeration.name and beside.name.rpartition(".")[2] == name
+    return f"a member of `{enumeration.name if alike else name}`"
 
 
 def number_spoken(value: typed.Value) -> str:

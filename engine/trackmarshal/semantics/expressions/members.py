@@ -12,7 +12,7 @@ from trackmarshal.semantics.errors.names import Hides, UnknownMember
 from trackmarshal.semantics.expressions import machines
 from trackmarshal.semantics.expressions.context import Context
 from trackmarshal.semantics.expressions.dimensions import same
-from trackmarshal.semantics.values import common, spoken
+from trackmarshal.semantics.values import common, member_spoken, spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
 
@@ -84,9 +84,11 @@ def _other(expr: ast.Expr, enumeration: Enumeration, x: Expressions, ctx: Contex
         if expr.name in enumeration.members:
             return typed.Member(enumeration, expr.name, span)
     value = x.value(expr, ctx)
-    wanted = f"a member of `{enumeration.name.rpartition('.')[2]}`"
     if not isinstance(value, typed.MemberNode) or value.enumeration != enumeration:
-        x.fail(WrongKind(span, wanted, spoken(value), f"its members are {', '.join(enumeration.members)}"))
+        other = value.enumeration if isinstance(value, typed.MemberNode) else None
+        found = spoken(value) if other is None else member_spoken(other, enumeration)
+        wanted = member_spoken(enumeration, other)
+        x.fail(WrongKind(span, wanted, found, f"its members are {', '.join(enumeration.members)}"))
     return value
 
 

@@ -10,7 +10,7 @@ from trackmarshal.ir.spec import Enumeration
 from trackmarshal.semantics.errors.declarations import ShapeProblem
 from trackmarshal.semantics.errors.expressions import WrongKind
 from trackmarshal.semantics.scope import Scope, spoken
-from trackmarshal.semantics.values import Poison, circle
+from trackmarshal.semantics.values import Poison, circle, member_spoken
 from trackmarshal.semantics.values import spoken as value_spoken
 from trackmarshal.source import Span
 from trackmarshal.syntax import ast
@@ -127,8 +127,9 @@ def lacking(value: typed.Record, shape: typed.Shape) -> str:
             similar = close_matches(field, [name for name in value.shape if name not in shape])
             unit = "rad" if field == "heading" else _declared_as(kind)
             return f"it has no `{field}`" + (f"; {similar}" if similar else f": declare `{field}: {unit}`")
-        if value.shape[field] != kind:
-            return f"its `{field}` is {_kind_spoken(value.shape[field])}, not {_kind_spoken(kind)}"
+        own = value.shape[field]
+        if own != kind:
+            return f"its `{field}` is {_kind_spoken(own, kind)}, not {_kind_spoken(kind, own)}"
     return ""
 
 
@@ -139,7 +140,7 @@ def _declared_as(kind: Kind) -> str:
     return "bool" if kind is None else show(kind)
 
 
-def _kind_spoken(kind: Kind) -> str:
+def _kind_spoken(kind: Kind, beside: Kind) -> str:
     if isinstance(kind, Enumeration):
-        return f"a member of `{kind.name.rpartition('.')[2]}`"
+        return member_spoken(kind, beside if isinstance(beside, Enumeration) else None)
     return "a Boolean" if kind is None else quantity(kind)
