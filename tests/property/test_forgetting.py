@@ -189,6 +189,27 @@ def test_who_finds_no_place_is_named(backend: str) -> None:
         assert (result.verdict == "undefined") == bool(reason)
 
 
+@pytest.mark.parametrize("beside", ["", "for all o in objects require once o.v"])
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+def test_nobody_is_named_of_whom_a_rule_remembers_nothing(backend: str, beside: str) -> None:
+    """It reads them, and is undefined by a gap: that somebody has no place is not why, whether another rule remembers them or not."""
+    spec = loads(
+        "module m\nevent on\nsignal objects : set of object { v: bool } capacity 1 forget 1 s\n"
+        'rule f "" require exists o in objects where o.v: historically on\n'
+        + (f'rule g "" {beside}\n' if beside else "")
+    )
+    evaluator = Evaluator(spec, backend=backend)
+    run = evaluator.over_run()
+    for t, name in ((0.0, "a"), (0.1, ""), (0.2, "b")):
+        if not name:
+            run.missed()
+            continue
+        signals = {"on": True, "objects": [{"id": name, "v": True}]}
+        rules = run.step(evaluator.read({"id": t, "t": t, "signals": signals})).rules
+    assert (rules["f"].verdict, rules["f"].reason) == ("undefined", "")
+    assert not beside or rules["g"].reason.startswith("no place for `b` ")
+
+
 @given(LASTING, formulas(True, ahead=False, depth=2), runs())
 @settings(max_examples=amount(8, 400), deadline=None)
 def test_what_decided_is_found(lasting: str, body: str, cycles: Cycles) -> None:

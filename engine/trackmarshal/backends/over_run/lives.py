@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from trackmarshal.ir import nodes as ir
+from trackmarshal.ir.overrun import sets
 from trackmarshal.ir.spec import RuleInfo
 
 #: By signal its capacity, and the elements for which there is no place.
@@ -75,10 +77,20 @@ class Lives:
 
 
 def no_place(rule: RuleInfo, without: Without) -> str:
-    """Why a rule over the run says nothing where elements that it reads found no place; empty where all of them did."""
-    read = {signal for signal, _ in rule.reads}
+    """Why a rule over the run says nothing where elements of which it remembers something found no place; empty where all of them did."""
     for signal, (capacity, names) in without.items():
-        if signal in read and names:
+        if names and signal in _remembered(rule):
             told = ", ".join(f"`{name}`" for name in names[:3]) + (", ..." if len(names) > 3 else "")
             return f"no place for {told} among the {capacity} elements of `{signal}` that are remembered"
     return ""
+
+
+def _remembered(rule: RuleInfo) -> set[str]:
+    """The sets of which a rule remembers something of each element, known again after an absence: it may read others, too."""
+    below = (node for root in rule.roots for node in ir.below(root))
+    past = (
+        node
+        for node in below
+        if isinstance(node, ir.Machine) or (isinstance(node, ir.Remembered) and node.past)
+    )
+    return {axis.signal for node in past for axis in sets(node) if axis.forget}
