@@ -245,6 +245,16 @@ def test_what_is_not_solved_says_why(condition: str, reason: str, tmp_path: Path
     assert caught.value.reason in ENGLISH.reasons
 
 
+@pytest.mark.parametrize("condition", ["always c.v <= top", "ego.v <= top"])
+def test_a_rule_along_a_course_has_several_samples(condition: str) -> None:
+    spec = loads(
+        "module made\nsignal ego : state { v: m/s }\nsignal plan : trajectory { t: s increasing, v: m/s }\nparam top : m/s = 20 m/s\n"
+        f'course lived = ego for 2 s then plan\nrule r "r"\n  along lived as c\n  require {condition}\n'
+    )
+    (made,) = solve(spec.rules[0], spec, (), "top", ENGLISH)
+    assert made.said.startswith(f"For top: not solved, because of {ENGLISH.reasons['samples']}")
+
+
 def test_every_reason_has_words() -> None:
     from typing import get_args
 

@@ -20,6 +20,8 @@ class Inputs:
     """Cases of a rule, in SI. Raises Unsolvable for a rule that reads lines, or samples that are not in a row."""
 
     def __init__(self, rule: RuleInfo, spec: Spec) -> None:
+        if rule.course is not None:  # its samples are those of cycles that were, and of a candidate
+            raise Unsolvable("samples")
         self._spec = spec
         self._fields: dict[str, list[FieldType]] = {}
         for signal, name in sorted(rule.reads):
