@@ -7,11 +7,14 @@ from dataclasses import replace
 from itertools import product
 from typing import Any
 
+import numpy as np
 import pytest
 
 from support import typed
 from support.length import shared_out
 from trackmarshal.backends.c.build import compiler
+from trackmarshal.errors import TrackmarshalError
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.faults import name_of
@@ -109,3 +112,24 @@ def test_what_is_left_out_is_counted_or_has_its_default(variant: str, backend: s
         return replace(given, emergency=emergency, signals={**given.signals, "objects": objects, "ego": ego})
 
     assert said(run.step(without)) == plain
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_nobody_is_there_in_arrays_without_entries(backend: str) -> None:
+    """Of an empty list numpy makes an array of floats, whatever the column is of."""
+
+    def nobody(given: Cycle) -> Cycle:
+        objects = {name: np.array([]) for name in given.signals["objects"]}
+        return replace(given, signals={**given.signals, "objects": objects})
+
+    decision = Run(backend).step(nobody)
+    assert decision.safe, decision.reasons
+
+
+def test_an_array_of_numbers_is_none_of_booleans() -> None:
+    evaluator = Evaluator(loads('module m\nsignal ego : state { on: bool }\nrule a "" require ego.on\n'))
+    with pytest.raises(
+        TrackmarshalError, match=r"ego\.on\[0\]: a number is neither true nor false"
+    ) as caught:
+        evaluator.batch({"ego": {"on": np.array([1.0, 0.0])}})
+    assert "of bool" in caught.value.help

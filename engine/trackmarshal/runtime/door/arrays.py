@@ -371,6 +371,5 @@ def _refuse(one: Fault, count: int, record: bool) -> None:
     if name_of(one) == "wrong_type" and one.index is not None:
         case, entry = divmod(one.index, count)
         at = f"[{case}]" if record else f"[{case}, {entry}]"
-        raise TrackmarshalError(
-            "D202", f"{one.signal}.{one.field}{at}: {one.message}", help="use arrays of numbers"
-        )
+        help_ = "use arrays of numbers, and of bool for what is true or false"
+        raise TrackmarshalError("D202", f"{one.signal}.{one.field}{at}: {one.message}", help=help_)

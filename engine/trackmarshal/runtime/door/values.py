@@ -212,7 +212,10 @@ def objects(array: Any) -> list[Any]:
 
 
 def flags(column: Any) -> NDArray[np.int8]:
-    """A column of Booleans as 1, 0 and -1 for a missing one; raises WrongTypeError. Lists, tuples, and arrays of bool or objects."""
+    """A column of Booleans as 1, 0 and -1 for a missing one; raises WrongTypeError. Lists, tuples, and arrays of bool or objects.
+
+    An array without entries is a column of any kind: numpy makes one of floats of an empty list.
+    """
     if is_array(column):
         if column.ndim != 1:
             raise WrongTypeError("something else is no column")
@@ -221,7 +224,7 @@ def flags(column: Any) -> NDArray[np.int8]:
             if is_masked(column):
                 made[np.ma.getmaskarray(column)] = -1
             return made
-        column = objects(column)
+        column = column.tolist() if column.dtype.kind in NUMBERS else objects(column)
     values = entries(column)
     found = [flag(value) for value in values]
     if None in found:
