@@ -255,6 +255,15 @@ def test_a_rule_along_a_course_has_several_samples(condition: str) -> None:
     assert made.said.startswith(f"For top: not solved, because of {ENGLISH.reasons['samples']}")
 
 
+def test_a_timeline_in_a_let_that_nothing_asks_for_is_no_input() -> None:
+    spec = loads(
+        "module made\nsignal ego : state { v: m/s }\nsignal plan : trajectory { t: s increasing, v: m/s }\nparam top : m/s = 20 m/s\n"
+        'rule r "r"\n  let most = max(p.v for p in plan)\n  require ego.v <= top\n'
+    )
+    (made,) = solve(spec.rules[0], spec, (), "ego.v", ENGLISH)
+    assert list(map(text, made.formulas)) == ["v_ego ≤ top"]
+
+
 def test_every_reason_has_words() -> None:
     from typing import get_args
 

@@ -42,7 +42,7 @@ class Inputs:
                 self._samples[name] = len(node.names)
         for signal, count in self._samples.items():
             # A trajectory has two samples at least: of a rule on each one by itself, two that are alike, which times are not.
-            if count == 1 and any(field.increasing for field in self._fields[signal]):
+            if count == 1 and any(field.increasing for field in self._fields.get(signal, ())):
                 raise Unsolvable("times")
 
     def bounds(self, place: Place) -> tuple[float, float]:
