@@ -132,4 +132,5 @@ def test_an_array_of_numbers_is_none_of_booleans() -> None:
         TrackmarshalError, match=r"ego\.on\[0\]: a number is neither true nor false"
     ) as caught:
         evaluator.batch({"ego": {"on": np.array([1.0, 0.0])}})
+    assert caught.value.help is not None
     assert "of bool" in caught.value.help

@@ -9,6 +9,7 @@ import pytest
 
 from support.length import amount, shared_out
 from trackmarshal.backends.c import step
+from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
@@ -478,8 +479,7 @@ def test_more_cycles_than_what_looks_ahead_has_room_for(formula: str) -> None:
 
 def test_less_room_than_a_set_declares_refuses_what_exceeds_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """Capacities are macros of whoever compiles: the door went by the declared one, and C wrote behind the end of what it remembers."""
-    sizes = step.of_limits
-    monkeypatch.setattr(step, "of_limits", lambda *args: {**sizes(*args), "TM_MAX_ELEMENTS": 2})
+    monkeypatch.setattr(step, "of_limits", lambda *args: {**of_limits(*args), "TM_MAX_ELEMENTS": 2})
     signals = SIGNALS.replace("object { x: m }", "object { x: m } capacity 4 forget 1 s")
     rig = Rig('rule far "" for all o in objects require not once[0 s, 1 s] o.x > 5 m\n', "c", spec=signals)
     for count in (0, 1, 2, 3, 4, 5, 2):
