@@ -8,12 +8,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from support.project import run_command
 from support.start import new_project
-from trackmarshal.cli import evidence, sources
+from trackmarshal.cli import evidence, recordings, sources
 from trackmarshal.cli.assessment import assess
 from trackmarshal.records.runs import RunSummary
 from trackmarshal.store import FILE
@@ -247,6 +248,53 @@ def test_the_facts_that_are_kept_are_those_of_the_files_as_they_are(project: Pat
         made.clear()
         gate()
         assert made == [], number
+
+
+def test_a_spec_that_is_written_while_its_tests_are_run_leaves_no_evidence(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The facts were those of a test that fails, the result that of the text that was saved meanwhile: it was green for good once that was undone."""
+    spec = project / "specs/speed.spec"
+    right = spec.read_text("utf-8")
+    wrong = right.replace("expect satisfied, margin 5 m/s", "expect violated")
+    assert wrong != right
+    spec.write_text(wrong, "utf-8")
+    gate("--as-is")  # keeps the facts
+    whole = sources.Sources
+
+    def late(*args: Any) -> sources.Sources:
+        spec.write_text(right, "utf-8")
+        return whole(*args)
+
+    monkeypatch.setattr("trackmarshal.cli.assessment.Sources", late)
+    _, text = gate()
+    assert "note: `specs/speed.spec` was written while it was read: no result is kept as evidence" in text
+    assert not (project / "out/results" / FILE).exists()
+    monkeypatch.setattr("trackmarshal.cli.assessment.Sources", whole)
+    spec.write_text(wrong, "utf-8")
+    assert gate()[0] == 1
+    spec.write_text(right, "utf-8")
+    assert gate()[0] == 0
+
+
+def test_a_scenario_that_is_written_behind_its_reading_leaves_no_evidence(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What was replayed is not what is hashed then."""
+    scenario, whole = project / "specs/scenarios/too_fast.yaml", recordings.recorded
+
+    def late(*args: Any) -> Any:
+        found = whole(*args)
+        scenario.write_text(scenario.read_text("utf-8") + "# another\n", "utf-8")
+        return found
+
+    monkeypatch.setattr("trackmarshal.cli.recordings.recorded", late)
+    assert "`specs/scenarios/too_fast.yaml` was written while it was read" in gate()[1]
+    assert not (project / "out/results" / FILE).exists()
+    monkeypatch.setattr("trackmarshal.cli.recordings.recorded", whole)
+    gate()
+    (run,) = (entry for entry in entries(project) if entry["kind"] == "run")
+    assert run["inputs"]["recording"] == evidence.file_hash(scenario)  # type: ignore[index]
 
 
 def test_facts_that_were_changed_in_the_cache_are_not_used(

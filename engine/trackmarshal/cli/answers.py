@@ -80,6 +80,11 @@ class Answers:
             Entry(kind, subject, dict(inputs), dict(result), "", "", "", made, dict(params or {}))
         )
 
+    def drop(self) -> bool:
+        """Take nothing in of what was found out since it was last written; whether there was anything."""
+        dropped, self._new = bool(self._new), []
+        return dropped
+
     def write(self) -> None:
         """Add what was found out to the store, with the tool, the commit and the machine that it was found with."""
         if self._new:

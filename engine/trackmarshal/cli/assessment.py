@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any
 from trackmarshal.cli import acceptances, evidence
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts, facts
+from trackmarshal.cli.kept import opened, written
+from trackmarshal.cli.output import say
 from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.files import SETTLE, UNMERGED
@@ -119,16 +122,25 @@ def assess(
     project = requirements.load(root, [])
     answers = Answers(root, root / project.results, again)
     made = _Making(root, project, quiet)
-    if again:
-        said = made.facts()
-    else:
-        folders = [*map(str, project.specs or ["specs"]), reading.FOLDER]
-        files = [str(path) for path in (*(s.path for s in project.scenarios), *project.campaigns)]
-        said = facts(root, folders, files, made.facts)
-    results = list(_tests(answers, said, made if run else None))
-    shown = kept(root, said.state, results) if replays and not again else None
-    runs = list(_runs(answers, said, made if run else None, replays and shown is None))
-    faults = list(_faults(answers, said, made if run else None))
+    with opened(root) as read:
+        if again:
+            said = made.facts()
+        else:
+            folders = [*map(str, project.specs or ["specs"]), reading.FOLDER]
+            files = [str(path) for path in (*(s.path for s in project.scenarios), *project.campaigns)]
+            said = facts(root, folders, files, made.facts)
+        results = list(_tests(answers, said, made if run else None))
+        shown = kept(root, said.state, results) if replays and not again else None
+        runs = list(_runs(answers, said, made if run else None, replays and shown is None))
+        faults = list(_faults(answers, said, made if run else None))
+    # Of what was written since it was first read, nobody knows which of both a result is of, and which its inputs say.
+    others = written(root, read)
+    if others:
+        said = replace(said, state="")
+    if others and answers.drop():
+        more = f" (and {len(others) - 1} more)" if len(others) > 1 else ""
+        told = f"`{others[0]}`{more} was written while it was read: no result is kept as evidence"
+        say(f"note: {told}", file=sys.stderr)
     answers.write()
     found = _of_store(answers, root)
     if again and project.baseline:

@@ -51,9 +51,7 @@ def kept(
     state = _state(root, below_, read)
     # What was written while it was read, or came, may be of before or of after: nobody knows which, so it is not kept. Asked behind the hash: what is
     # written from here on is other than that.
-    if _there(root, below_, looked_for) == before and all(
-        _about(os.path.join(root, name)) == was for name, was in found.items()
-    ):
+    if _there(root, below_, looked_for) == before and not written(root, found):
         files_kept.keep(path, {"files": read, "state": state, **to_json(made)})
         return made, state
     return made, ""
@@ -116,6 +114,11 @@ def opened(root: Path) -> Iterator[dict[str, tuple[int, ...]]]:
         _LISTENING.remove(tell)
 
 
+def written(root: Path, found: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """Of files that were `opened` those that are others now."""
+    return [name for name, was in found.items() if _about(os.path.join(root, name)) != was]
+
+
 def _about(path: str) -> tuple[int, ...]:
     """What is different of a file that was written, or is another one; nothing of one that is not there."""
     try:
@@ -162,4 +165,4 @@ def _read(path: Path, root: Path, folders: list[str]) -> Any:
         return None
 
 
-__all__ = ["kept", "opened"]
+__all__ = ["kept", "opened", "written"]
