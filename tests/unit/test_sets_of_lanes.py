@@ -392,6 +392,20 @@ def test_more_lanes_than_c_has_memory_for() -> None:
     assert caught.value.code == "E473"
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_more_borders_than_lanes(backend: str) -> None:
+    """C has memory for 32 lanes, or as many as there are: of two with 40 borders it said that its geometry refuses them (E473)."""
+    evaluator = Evaluator(
+        made("exists l in lanes where l.limit > 0 km/h\n  require footprint(ego, 2 m, 2 m) meets l"),
+        backend=backend,
+    )
+    for count, verdict in ((2, "satisfied"), (40, "undefined"), (2, "satisfied")):
+        sides = {side: [LANES[0][side]] * count for side in ("left", "right")}
+        result = evaluator.case({"signals": {**SIGNALS, "lanes": {**sides, "limit": [72.0, 72.0]}}})
+        assert result.rules["made"].verdict == verdict
+        assert {fault[:4] for fault in result.faults} == ({"D212"} if count == 40 else set())
+
+
 def test_supervisors_in_two_threads_have_no_lanes_in_common() -> None:
     """Python is let go on while C takes a step: what the library kept for one would be judged by in the step of another one of the same program."""
     spec = made("exists l in lanes\n  require footprint(ego, 2 m, 2 m) meets l")

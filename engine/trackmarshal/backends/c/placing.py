@@ -81,8 +81,9 @@ class LaneSetter:
 
     def put(self, case: Frame) -> None:
         """Raises TrackmarshalError E473 for a lane that the C geometry refuses."""
-        # Of more than it declares, the rules are undefined, and none is asked for.
-        for lane, given in enumerate(case.lanes.get(self._name, ())[: self._most]):
+        # Of more than it declares, the rules are undefined, and none is asked for; nor of borders beyond the other columns, for which there is no memory.
+        lanes = case.lanes.get(self._name, ())[: self._most]
+        for lane, given in enumerate(lanes[: case.count(self._name)] if lanes else ()):
             before = self._now[lane] if lane < len(self._now) else None
             if before is None or before[0] is not given[0] or before[1] is not given[1]:
                 self._now[lane : lane + 1] = [given]
