@@ -296,6 +296,22 @@ def test_a_record_that_fails_leaves_the_decision(tmp_path: Path) -> None:
     assert supervisor.record_error == "OSError: [Errno 28] No space left on device"
 
 
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_supervisor_that_is_closed_says_why_it_keeps_no_record(backend: str, tmp_path: Path) -> None:
+    """It decides on; that it was closed is no matter of files."""
+    path, now = tmp_path / "run.arrows", 0.0
+    supervisor = tm.supervisor(
+        shipped(), ["friction"], backend, {"budget": 1e9}, lambda: now, record=path, snapshots=0
+    )
+    for number in range(3):
+        now = number * PERIOD
+        assert supervisor.step(cycle(number)).safe
+        supervisor.close()
+        assert supervisor.record_error == ("OSError: [Errno 9] the record is closed" if number else "")
+    run = read(path.read_bytes(), "run")
+    assert (len(run.cycles), run.ended, run.damage) == (1, True, "")
+
+
 def test_a_difference_is_found(tmp_path: Path) -> None:
     path = tmp_path / "run.arrows"
     steps = plain(6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -180,6 +181,8 @@ class Record:
 
     def _write(self, data: bytes | bytearray) -> None:
         """Write all of it, or nothing: what was written of it is cut off again."""
+        if self._file < 0:
+            raise OSError(errno.EBADF, "the record is closed")
         if self._longer:
             os.ftruncate(self._file, self._end)  # that could not be done when it was written
         self._longer = True
