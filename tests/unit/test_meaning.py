@@ -58,6 +58,22 @@ def replaced(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new), "utf-8")
 
 
+@pytest.mark.parametrize("read", ["top", "brakes(ego.v)"])
+def test_a_rule_rests_on_the_constraints_on_what_it_reads(read: str) -> None:
+    """Data that brings a table, or a parameter, that breaks one of them is not safe."""
+
+    def of(top: int, brakes: int) -> str:
+        spec = loads(
+            "module made\nsignal ego : state { v: m/s }\nparam top : m/s = 9 m/s\ntable brakes(v: m/s) -> m/s = linear clamp | 0 m/s: 9 m/s |\n"
+            f"constrain top >= {top} m/s\nconstrain brakes(0 m/s) >= {brakes} m/s\n"
+            f'rule r "r"\n  require ego.v <= {read}\n'
+        )
+        return Meaning(spec).fingerprint(spec.rules[0])
+
+    assert (of(8, 7) != of(6, 7)) == (read == "top")
+    assert (of(8, 7) != of(8, 5)) == (read != "top")
+
+
 RULES = [rule.name for rule in everything().rules if rule.formula is not None]
 
 

@@ -1,7 +1,7 @@
 """What results rest on, as hashes of meaning: a result holds for as long as all of it is the same.
 
 A rule is hashed as what it comes to, definitions put in: neither layout, comments, titles nor reasons count. Beside it stand the
-parameters, tables, places and signals that it reads, the constraints on its parameters, and the version of what evaluates it.
+parameters, tables, places and signals that it reads, the constraints on its parameters and tables, and the version of what evaluates it.
 """
 
 from trackmarshal.meaning.inputs import Inputs, key, sha256

@@ -77,7 +77,7 @@ class Meaning:
                 found[f"signal {name}"] = of("signal", name, spec.signals)
             elif name not in spec.events and all(course.signal.name != name for course in spec.courses):
                 raise ValueError(f"`{rule.name}` reads `{name}`, which is no signal")
-        demands = sorted(_constraints(spec, set(params)))
+        demands = sorted(_constraints(spec, {*params, *tables}))
         if demands:
             found["constraints"] = sha256(*demands)
         return found
@@ -143,10 +143,6 @@ def _told(value: object) -> str:
     return repr(value)
 
 
-def _constraints(spec: Spec, params: set[str]) -> Iterable[str]:
-    """The constraints on any of these parameters, and on those that they join them with, as texts."""
-    left = [
-        (constraint, {node.name for node in ir.below(constraint.formula) if isinstance(node, ir.Param)})
-        for constraint in spec.constraints
-    ]
-    return (describe(constraint.formula) for constraint, names in left if names & params)
+def _constraints(spec: Spec, read: set[str]) -> Iterable[str]:
+    """The constraints on any of these parameters and tables, and on those that they join them with, as texts."""
+    return (describe(one.formula) for one in spec.constraints if not read.isdisjoint(restricted(one)))

@@ -123,7 +123,7 @@ _CALLED = {
     "rule": "the rule", "param": "the parameter", "table": "the table", "place": "the place", "signal": "the signal",
 }  # fmt: skip
 _WHOLE = {
-    "constraints": "the constraints on its parameters", "test": "what the test gives or expects", "engine": "the engine",
+    "constraints": "the constraints on its parameters and tables", "test": "what the test gives or expects", "engine": "the engine",
     "recording": "the recording", "named": "a file that the scenario names", "limits": "the limits of the Supervisor",
     "distance": "how far limits are moved", "judged": "which rules the ground truth of generated recordings judges",
 }  # fmt: skip
