@@ -7,7 +7,7 @@ from typing import Any
 
 from support.generated.choices import Choices
 from support.generated.places import Road
-from support.generated.vocabulary import HUGE, PLAIN, SETS, TIMELINES, FieldInfo, World
+from support.generated.vocabulary import HUGE, PLAIN, TIMELINES, FieldInfo, World
 
 _BAD: tuple[Any, ...] = (None, math.nan, math.inf, -math.inf, "nan", "inf", 10**400)
 
@@ -31,7 +31,7 @@ class Inputs:
                 continue
             if name in TIMELINES:
                 signals[name] = self.timeline(name, dirt)
-            elif name in SETS:
+            elif signal.kind == "set of object":
                 signals[name] = self.objects(name, dirt)
             else:
                 signals[name] = self.record(signal.fields, dirt)
