@@ -123,7 +123,7 @@ def _about(path: str) -> tuple[int, ...]:
     """What is different of a file that was written, or is another one; nothing of one that is not there."""
     try:
         said = os.stat(path)
-    except OSError:
+    except (OSError, ValueError):  # as of a path with a zero character
         return ()
     return said.st_ino, said.st_size, said.st_mtime_ns, said.st_ctime_ns
 
@@ -148,7 +148,11 @@ def _state(root: Path, folders: list[str], files: list[str]) -> str:
         except (OSError, ValueError) as error:
             take(folder, type(error).__name__)
     for folder in folders:
-        found, problems = below(root / folder, (".spec", ".yaml", ".yml"))
+        try:
+            found, problems = below(root / folder, (".spec", ".yaml", ".yml"))
+        except ValueError as error:  # what reads the project says what is wrong with it
+            take(folder, type(error).__name__)
+            continue
         take(folder, found, [problem.filename for problem in problems])
         # A link that leads elsewhere now has the same name as before.
         take(*map(os.path.realpath, sorted({path.parent for path in found})))
