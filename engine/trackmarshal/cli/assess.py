@@ -135,6 +135,7 @@ def _said(made: Assessment, root: Path) -> list[Diagnostic]:
 def _shown(made: Assessment) -> Shown:
     """What is shown beside the matrix, made from the specs and the replays."""
     from trackmarshal.explaining.moments import told_moments
+    from trackmarshal.meaning import fingerprint_of_test
     from trackmarshal.scenarios.run_record import run_record
     from trackmarshal.testing.run import coverage
 
@@ -148,6 +149,7 @@ def _shown(made: Assessment) -> Shown:
         sources.distances,
         failed,
         made.project.tests_per_rule,
+        fingerprint_of_test,
     )
     runs = []
     while made.replays:  # what was kept of a run is large, and done with when its record is made

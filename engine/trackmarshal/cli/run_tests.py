@@ -37,6 +37,7 @@ def run(args: argparse.Namespace) -> int:
     from trackmarshal.cli.check import unconstrained
     from trackmarshal.diagnostics.base import Diagnostics
     from trackmarshal.diagnostics.text import render
+    from trackmarshal.meaning import fingerprint_of_test
     from trackmarshal.semantics.compile import compile_paths
     from trackmarshal.testing.cases import prepare
     from trackmarshal.testing.run import coverage, run_tests
@@ -59,7 +60,7 @@ def run(args: argparse.Namespace) -> int:
     outcomes = list(run_tests(compiled.spec, tests, distances=distances))
     unmoved = {(o.test.rule.name, o.test.title): o.unmoved for o in outcomes}
     failed = {(o.test.rule.name, o.test.title) for o in outcomes if o.outcome != "passed"}
-    covered = coverage(compiled.spec, tests, unmoved, distances, failed, needs)
+    covered = coverage(compiled.spec, tests, unmoved, distances, failed, needs, fingerprint_of_test)
     bad = [o for o in outcomes if o.outcome != "passed"]
     partial = [c for c in covered if not c.complete]
     if not _print(outcomes, covered, found, args.format, where):

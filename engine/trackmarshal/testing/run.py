@@ -270,14 +270,14 @@ def coverage(
     distances: Distances | None = None,
     failed: Collection[tuple[str, str]] = (),
     needs: Iterable[tuple[str, int]] = ONE_EACH,
+    says: Callable[[PreparedTest], str] = lambda test: "",
 ) -> list[Coverage]:
     """Every rule and monitor with what its tests show, in the order of the spec.
 
     unmoved: of tests that were run, by rule and title, which way limits can be moved so that they pass all the same. failed: those that
-    did not pass, which show nothing. needs: how many tests each rule has at least, by side.
+    did not pass, which show nothing. needs: how many tests each rule has at least, by side. says: the fingerprint of what a test gives and
+    expects, by which copies are known; empty for one that is none.
     """
-    from trackmarshal.meaning import fingerprint_of_test
-
     wanted = dict(needs)
     distances, unmoved = distances or Distances(), unmoved or {}
     several = any(number > 1 for number in wanted.values())
@@ -292,7 +292,7 @@ def coverage(
         shown = [test for test in own if (rule.name, test.title) not in failed]
         again: tuple[str, ...] = ()
         if several:  # where one is enough, a copy does no harm
-            shown, again = apart(shown, fingerprint_of_test)
+            shown, again = apart(shown, says)
         said = [
             not_on_it(test.title, *near(test, spec, distances), unmoved.get((rule.name, test.title), ""))
             for test in shown
