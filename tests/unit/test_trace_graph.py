@@ -28,7 +28,7 @@ from trackmarshal.trace.graph.kinds import LINKS, NODES, WAYS
 from trackmarshal.trace.graph.paths import named, paths
 from trackmarshal.trace.graph.reviewed import reviewed, unreviewed
 from trackmarshal.trace.graph.schema import Asking, default
-from trackmarshal.trace.model import Project, Reviewed, Way
+from trackmarshal.trace.model import Need, Project, Reviewed, Way
 from trackmarshal.trace.spec import Spec
 from trackmarshal.trace.values import Placed
 
@@ -424,6 +424,19 @@ def test_who_reads_a_thing_twice_is_no_second_reader(readers: list[str], least: 
     none = Placed.at("", NOWHERE)
     way = Way(NOWHERE, Placed.at("reviewed_by", NOWHERE), none, none, (), (), least)
     assert Asking(graph, Project()).met(read, [way]) == met
+
+
+def test_of_reviews_that_are_too_many_it_does_not_count_by_whom_they_are() -> None:
+    """With `at_most: 1`, two reviews by one person were one."""
+    read, person = requirement("R-0", "D"), Node("person", "A", "A", NOWHERE, {})
+    made = [Node("review", f"RV-{n}", "", NOWHERE, {"outcome": "accepted"}) for n in range(2)]
+    links = [Link("reviews", one.key, read.key, "covers", NOWHERE) for one in made]
+    links += [Link("made_by", one.key, person.key, "covers", NOWHERE) for one in made]
+    none = Placed.at("", NOWHERE)
+    way = Way(NOWHERE, Placed.at("reviewed_by", NOWHERE), none, none, (), (), 1, 1)
+    graph = Graph({node.key: node for node in (read, person, *made)}, links)
+    need = Need("requirement", NOWHERE, (way,), (), "", (), "", "", False, (), "error", none, "", "")
+    assert [found.code for found in Asking(graph, Project()).need(need)] == ["T154"]
 
 
 _OWNED = """document: link-schema

@@ -101,8 +101,8 @@ class Asking:
                 yield Finding(
                     str(need.code) or "T150", need.level, message, node.place, _filled(need.help, node), node.id, about=(*missing, *gone)
                 )  # fmt: skip
-            for number, way in zip(numbers, need.any_of):
-                if way.at_most is not None and number > way.at_most:
+            for way in need.any_of:
+                if way.at_most is not None and (number := self._number(node, way, each=True)) > way.at_most:
                     message = f"{called(node.key)} has {_count(number, way)}, at most {way.at_most} may be"
                     yield error("T154", message, node.place, _filled(need.help, node), node.id)
 
@@ -113,7 +113,8 @@ class Asking:
         stages = [s for s in self._project.stages if not need.stages or matches(s.id, need.stages)]
         return tuple(p for s in stages if not need.counts or need.counts in s.counts for p in s.applies_to)
 
-    def _number(self, node: Node, way: Way) -> int:
+    def _number(self, node: Node, way: Way, each: bool = False) -> int:
+        """How often a way is there for a node. each: whoever made a review, for what there are to be no more of."""
         if way.field:
             return int(bool(node.attributes.get(way.field, "").strip()))
         if way.reaches:
@@ -141,7 +142,7 @@ class Asking:
             for other in others
             if other.demanded and (not way.kinds or other.kind in way.kinds) and fits(other, way.where)
         ]
-        if way.link == _READ:  # who reads a thing twice is no second reader
+        if way.link == _READ and not each:  # who reads a thing twice is no second reader
             links = (link for review in counted for link in self._graph.out_of(review.key))
             return min(len(counted), len({link.target for link in links if link.kind == "made_by"}))
         return len(counted)
