@@ -16,6 +16,7 @@ from support.project import command
 from support.safety_case import DAY, Page, edit, html
 from trackmarshal.cli import assessment
 from trackmarshal.records.faults import FaultCase, FaultResult
+from trackmarshal.trace.case import loop as results
 
 
 def under(page: Page, beginning: str) -> dict[str, str]:
@@ -181,6 +182,22 @@ def test_results_are_those_of_the_page_that_was_reviewed(warehouse: Path, change
         again = (project / "loop.json").read_text("utf-8").replace("stopped", "drives_on")
         (project / "loop.json").write_text(again, "utf-8")
     assert expected in standing(html(project))
+
+
+@pytest.mark.parametrize(
+    ("name", "known"),
+    [
+        ("nightly-loop.json", False), ("old/loop.json", False), ("loop.json.gz", False), ("loop.json", True), ("../loop.json", True),
+        ("[loop.json].", True), ("./loop.json:", True),
+    ],
+)  # fmt: skip
+def test_a_page_of_other_results_says_nothing_of_these(warehouse: Path, name: str, known: bool) -> None:
+    """A reviewed page that gives the hash of `nightly-loop.json` made `loop.json` stale."""
+    project = loop(warehouse, [RUN])
+    (project / "runs.md").write_text(f"SYS-1: the car came to rest, in {name} ({'0' * 64})\n", "utf-8")
+    assert results.read(project, "loop.json", "1" * 64, ["runs.md"]).pages == (
+        {"runs.md": False} if known else {}
+    )
 
 
 @pytest.mark.parametrize(

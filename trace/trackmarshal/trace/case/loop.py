@@ -76,12 +76,13 @@ def read(root: Path, path: str, sha256: str, reviewed: Iterable[str] = ()) -> Lo
 
 
 def _hashes(page: Path, path: str) -> set[str]:
-    """The hashes in lines of a page that name a file."""
+    """The hashes in lines of a page that name a file, and no other one whose name ends or begins so."""
+    named = re.compile(rf"(?<![\w./-])(?:\.{{1,2}}/)*{re.escape(path)}(?![\w/-]|\.\w)")
     try:
         lines = read_regular(page).decode("utf-8", "replace").splitlines()
     except (OSError, ValueError):
         return set()
-    return {found for line in lines if path in line for found in _SHA256.findall(line)}
+    return {found for line in lines if named.search(line) for found in _SHA256.findall(line)}
 
 
 def _run(path: str, number: int, said: Any) -> LoopRun:
