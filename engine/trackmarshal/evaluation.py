@@ -191,10 +191,8 @@ class Evaluator:
             rules = [straightened(rule, absent) for rule in self.spec.rules]
             parts = {**{name: getattr(self.spec, name) for name in Spec.fields}, "rules": tuple(rules)}
             digest = hashlib.sha256(" ".join(rule.fingerprint for rule in rules).encode()).hexdigest()
-            names, known = [rule.name for rule in self.rules], "program" in self.__dict__
-            made = Evaluator(
-                Spec(**{**parts, "fingerprint": digest}), names, self.backend if known else self.asked, self.declared
-            )  # fmt: skip
+            names = [rule.name for rule in self.rules]
+            made = Evaluator(Spec(**{**parts, "fingerprint": digest}), names, self._taken, self.declared)
             made._family, made.alone = self._family, self.alone
             self._family.append(made)
             self._straight[absent] = made
@@ -275,7 +273,12 @@ class Evaluator:
 
     def only(self, names: Sequence[str]) -> Evaluator:
         """Some of the rules, for the frames of all."""
-        return Evaluator(self.spec, names, self.asked, self.declared)
+        return Evaluator(self.spec, names, self._taken, self.declared)
+
+    @property
+    def _taken(self) -> str:
+        """The backend of others that evaluate with this one: where it has to do without generated C, they do, too."""
+        return "numpy" if "program" in self.__dict__ and self.backend == "numpy" else self.asked
 
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """The outcome of frames. Where `auto` chose generated C and it does not hold one of them, numpy takes over."""

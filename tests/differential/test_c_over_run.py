@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import math
 import os
 import random
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from trackmarshal.backends.c import program
 from trackmarshal.backends.c.library import Library
 from trackmarshal.backends.c.program import CProgram
 from trackmarshal.backends.c.source import Source
+from trackmarshal.cli.main import main
 from trackmarshal.diagnostics.base import Diagnostics
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator, loads
@@ -432,6 +435,30 @@ def test_a_run_goes_on_in_c_where_another_case_takes_numpy(capsys: pytest.Captur
     found += [run.step(case(2)).rules["f"].verdict]
     found += [Evaluator(spec, backend="auto").over_run(saved).step(case(2)).rules["f"].verdict]
     assert found == ["violated"] * 3
+
+
+def test_rules_that_go_cycle_by_cycle_do_without_c_where_the_others_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What C says of some of the rules is no part of a run that numpy evaluates: with `auto`, `eval --run` ended in the first cycle that C did not hold."""
+    (tmp_path / "run.spec").write_text(
+        SIGNALS + 'rule all_in_all "" require count(flag, last: 900 h) <= 3\n'  # C has no room for it
+        'rule each "" for all o in objects require not once[0 s, 5 s] o.v > 1 m/s\n'
+    )  # fmt: skip
+    cases = []
+    for number, count in enumerate((2, 33, 2)):
+        speeds = [2.0 * (number == i == 0) for i in range(count)]
+        objects = {"id": [str(i) for i in range(count)], "v": speeds}
+        signals = {"ego": {"v": 0.0, "w": 0.0}, "objects": objects, "flag": False}
+        cases.append(json.dumps({"t": number / 10, "signals": signals}))
+    (tmp_path / "run.jsonl").write_text("\n".join(cases) + "\n")
+    said = []
+    given = ["eval", str(tmp_path / "run.spec"), "--data", str(tmp_path / "run.jsonl"), "--run"]
+    for backend in ("numpy", "auto"):
+        assert main([*given, "--backend", backend]) == 1
+        said.append(capsys.readouterr())
+    assert said[0].out == said[1].out
+    assert said[1].err.startswith("note: numpy evaluates instead of generated C: ")
 
 
 def test_rules_by_themselves_refuse_what_cannot_come_next() -> None:

@@ -851,6 +851,23 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     assert f"[{caught.value.code}]" in said
 
 
+def test_numpy_takes_over_a_case_without_curvatures_too() -> None:
+    """Whose rules are straightened ones, that went by C alone where the others had."""
+    if build.compiler() is None:
+        pytest.skip("no C compiler")
+    evaluator = Evaluator(spec(), ["static_collision"], "auto")
+
+    def case(x: float, **more: list[float]) -> dict[str, object]:
+        track = {"left": [[-9.0, 5.0], [x, 5.0], [9.0, 5.0]], "right": [[-9.0, -5.0], [9.0, -5.0]]}
+        plan = {"t": [0.0, 0.1], "x": [0.0, 1.0], "y": [0.0, 0.0], "heading": [0.0, 0.0], **more}
+        return {"signals": {"plan": plan, "track": track}}
+
+    assert evaluator.case(case(0.0, kappa=[0.0, 0.0])).safe
+    assert evaluator.backend == "c"
+    assert evaluator.case(case(1e-70)).safe
+    assert evaluator.backend == "numpy"
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 def test_the_emitted_build_file_asks_for_what_python_compiles_with(written: Path) -> None:
     """In an order in which nothing is taken back: a step took longer, and functions of constants were the compiler's."""
