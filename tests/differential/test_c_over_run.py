@@ -373,6 +373,41 @@ def test_who_had_more_elements_than_there_is_room_for_is_not_forgotten() -> None
     assert {one["run"][0] for one in found} == {"violated"}
 
 
+def test_a_longer_line_in_the_middle_of_a_run_leaves_windows_as_they_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Windows of pairs have room for fewer cycles where the first one has more elements; a program for a longer line had room for more again, and
+    took nothing over (E473). For more elements no program is compiled that could not be taken."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m }\nsignal a : set of object { v: m/s }\n"
+        "signal b : set of object { v: m/s }\nsignal way : polyline\n"
+        'rule pairs "" for all o in a for all q in b require not once[1 s, 20 s] o.v > q.v\n'
+        'rule near "" require distance_to(ego, way) <= 9 m\n'
+    )
+
+    def cycle(number: int, count: int, points: int) -> dict[str, Any]:
+        ids = [str(i) for i in range(count)]
+        a, b = ({"id": ids, "v": [v] * count} for v in (2.0 * (number == 0), 1.0))
+        way = [[float(i), 0.0] for i in range(points)]
+        return {"t": float(number), "signals": {"ego": {"x": 0.0, "y": 0.0}, "a": a, "b": b, "way": way}}
+
+    evaluator = Evaluator(spec, backend="c")
+    run, made = evaluator.over_run(), list[dict[str, int]]()
+
+    def built(source: Source, sizes: dict[str, int]) -> Library:
+        made.append(sizes)
+        return Library(source, sizes)
+
+    monkeypatch.setattr(program, "Library", built)
+    for number, (count, points) in enumerate(((40, 5), (2, 5), (2, 5000), (2, 5))):
+        verdict = run.step(evaluator.read(cycle(number, count, points))).rules["pairs"].verdict
+        assert verdict == ("violated" if number else "satisfied")
+    assert len(made) == 2
+    with pytest.raises(TrackmarshalError, match="in the middle of a run"):
+        run.step(evaluator.read(cycle(4, 41, 5)))
+    assert len(made) == 2
+
+
 @pytest.mark.parametrize("block", [1, 2, 3, 8])
 def test_of_a_piece_that_c_does_not_hold_nothing_is_known(
     block: int, monkeypatch: pytest.MonkeyPatch

@@ -69,25 +69,28 @@ class Library:
         self.status = self.dll.tmg_init(self.context)
 
     def take_over(self, other: Library) -> None:
-        """Remember what another one does, of the same rules. Raises TrackmarshalError E473 where that is of another size."""
+        """Remember what another one does, of the same rules."""
         size = self.dll.tmg_remembered_size()
         if size != other.dll.tmg_remembered_size():
-            raise TrackmarshalError(
-                "E473",
-                "more elements come in the middle of a run than memory was made for",
-                help="raise the limit `elements`, or choose another backend",
-            )
+            raise AssertionError("what is remembered is of another size")
         start = self.dll.tmg_remembered()
         ctypes.memmove(self.context + start, other.context + other.dll.tmg_remembered(), size)
 
 
 def fitting(source: Source, wanted: Mapping[str, int], have: Library | None) -> dict[str, int]:
     """The capacities of a program that holds what is wanted, and no less than the library at hand. Raises TrackmarshalError E473 for what takes too
-    much memory."""
+    much memory, and for more elements than the library at hand remembers."""
     plan = source.plan
+    if have is not None and plan.named and wanted["TM_MAX_ELEMENTS"] > have.sizes["TM_MAX_ELEMENTS"]:
+        raise TrackmarshalError(
+            "E473",
+            "more elements come in the middle of a run than memory was made for",
+            help="raise the limit `elements`, or choose another backend",
+        )
     sizes = {name: _size(source, name, wanted[name], wanted["TM_MAX_ELEMENTS"]) for name in capacities(plan)}
-    if have is not None:
+    if have is not None:  # windows keep their room: what is remembered is taken over as it is
         sizes = {name: max(size, have.sizes[name]) for name, size in sizes.items()}
+        sizes |= {name: have.sizes[name] for name in sizes if name == "TM_MAX_RATE"}
     if bytes_of_lanes(plan, sizes) > _BYTES:
         raise TrackmarshalError(
             "E473", f"lanes take more than {_BYTES >> 20} MiB", help="choose another backend"

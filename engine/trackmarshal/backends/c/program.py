@@ -120,7 +120,7 @@ class CProgram(Stateless):
         made = Library(self.source, fitting(self.source, wanted, have))
         if have is not None and self.order.timed:
             made.take_over(have)
-        self._library = made  # not before: where it cannot take over, the run goes on in the one at hand
+        self._library = made  # not before: where there is none so large, the run goes on in the one at hand
         self._changed.clear()
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
