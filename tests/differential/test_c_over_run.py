@@ -408,6 +408,19 @@ def test_a_longer_line_in_the_middle_of_a_run_leaves_windows_as_they_are(
     assert len(made) == 2
 
 
+def test_cases_by_themselves_have_as_many_elements_as_they_have() -> None:
+    """Each is the first cycle of a run of its own: with more than 32 elements, and more than the case before, it was refused as one of the same run."""
+    spec = loads(SIGNALS + 'rule each "" for all o in objects require not once[0 s, 5 s] o.v > 1 m/s\n')
+    evaluator = Evaluator(spec, backend="c")
+
+    def case(count: int) -> dict[str, Any]:
+        objects = {"id": [str(i) for i in range(count)], "v": [0.0] * (count - 1) + [count % 2 * 2.0]}
+        return {"signals": {"ego": {"v": 0.0, "w": 0.0}, "objects": objects, "flag": False}}
+
+    found = evaluator.evaluate(evaluator.read_all([case(count) for count in (2, 33, 40, 3)]))
+    assert [one.safe for one in found] == [True, False, True, False]
+
+
 @pytest.mark.parametrize("block", [1, 2, 3, 8])
 def test_of_a_piece_that_c_does_not_hold_nothing_is_known(
     block: int, monkeypatch: pytest.MonkeyPatch

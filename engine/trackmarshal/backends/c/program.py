@@ -125,6 +125,11 @@ class CProgram(Stateless):
         self._places = PlaceSetter(self.source.plan, self._library) if self.source.plan.shapes else None
         return self._library
 
+    def room_for(self, frames: Sequence[Frame]) -> None:
+        """Begin with memory for as many elements as one of these frames has."""
+        counts = (self._count(frame, name) for frame in frames for name in self.order.ids)
+        self.library_for(elements=max(counts, default=0))
+
     def reset(self, lib: Library) -> None:
         """Put the spec's own parameters and tables back."""
         self._override(NO_SETTINGS, lib, self._changed)

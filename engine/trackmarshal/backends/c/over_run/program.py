@@ -78,6 +78,7 @@ class CRemembering:
     def judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
         """Each frame as the first and only cycle of a run, at whatever time it has."""
         run = _Run(self._program.anew())
+        run.program.room_for(frames)
         stamped = (replace(frame, t=0.0) if frame.t is None else frame for frame in frames)
         return [
             Judged(frame, {name: self._rated(run, one) for name, one in frame.seen()}) for frame in stamped
