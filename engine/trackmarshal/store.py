@@ -46,6 +46,12 @@ CODES = {
         "an evidence store that cannot be read",
         "The store is larger than 512 MB, or no regular file. Move it away: what it was the evidence of is run again.",
     ),
+    "T296": (
+        "a file that was written while it was read",
+        "Specs, requirements or recordings are others now than they were when this call read them, so that of a part of what it says nobody knows "
+        "whether it is of the text of before or of the one behind it: an editor, a formatter or another checkout wrote them meanwhile. Nothing that was "
+        "found out is kept, and no gate passes on it. Run it again.",
+    ),
 }  # fmt: skip
 
 

@@ -15,9 +15,11 @@ import pytest
 from support.project import run_command
 from support.start import new_project
 from trackmarshal.cli import evidence, recordings, sources
+from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.assessment import assess
 from trackmarshal.records.runs import RunSummary
 from trackmarshal.store import FILE
+from trackmarshal.trace import requirements
 
 
 @pytest.fixture
@@ -267,8 +269,10 @@ def test_a_spec_that_is_written_while_its_tests_are_run_leaves_no_evidence(
         return whole(*args)
 
     monkeypatch.setattr("trackmarshal.cli.assessment.Sources", late)
-    _, text = gate()
-    assert "note: `specs/speed.spec` was written while it was read: no result is kept as evidence" in text
+    code, text = gate()
+    assert code == 1, "on the facts of one text and the results of another"
+    told = "specs/speed.spec: error[T296]: `specs/speed.spec` was written while it was read: no result is kept as evidence"
+    assert told in text
     assert not (project / "out/results" / FILE).exists()
     monkeypatch.setattr("trackmarshal.cli.assessment.Sources", whole)
     spec.write_text(wrong, "utf-8")
@@ -295,6 +299,48 @@ def test_a_scenario_that_is_written_behind_its_reading_leaves_no_evidence(
     gate()
     (run,) = (entry for entry in entries(project) if entry["kind"] == "run")
     assert run["inputs"]["recording"] == evidence.file_hash(scenario)  # type: ignore[index]
+
+
+def test_nothing_is_accepted_of_documents_that_are_written_while_they_are_read(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The requirements of before would be held against the specs of behind."""
+    document, load = project / "requirements/requirements.yaml", requirements.load
+
+    def late(*args: Any, **named: Any) -> Any:
+        found = load(*args, **named)
+        document.write_text(document.read_text("utf-8") + "# another\n", "utf-8")
+        return found
+
+    baseline = project / "requirements/baseline.json"
+    before = baseline.read_bytes() if baseline.exists() else b""
+    monkeypatch.setattr(requirements, "load", late)
+    for option in ("--as-is", "--rerun"):
+        assert (
+            "error[T296]: `requirements/requirements.yaml` was written while it was read" in gate(option)[1]
+        )
+    status, _, err = run_command("trace", "--accept-baseline", "--by", "A. Tester", "--reason", "to try")
+    assert status == 2
+    assert "no baseline is accepted: `requirements/requirements.yaml` was written" in err
+    assert (baseline.read_bytes() if baseline.exists() else b"") == before
+
+
+def test_another_process_may_add_to_the_store_meanwhile(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Two jobs on one folder: the store only grows."""
+    gate()
+    store = project / "out/results" / FILE
+    line = store.read_bytes().splitlines(keepends=True)[0]
+    whole = Answers.known
+
+    def late(self: Answers, *args: Any) -> Any:
+        with store.open("ab") as stream:
+            stream.write(line)
+        return whole(self, *args)
+
+    monkeypatch.setattr(Answers, "known", late)
+    assert gate()[0] == 0
 
 
 def test_facts_that_were_changed_in_the_cache_are_not_used(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
@@ -14,7 +13,6 @@ from trackmarshal.cli import acceptances, evidence
 from trackmarshal.cli.answers import Answers
 from trackmarshal.cli.facts import Facts, facts
 from trackmarshal.cli.kept import opened, written
-from trackmarshal.cli.output import say
 from trackmarshal.cli.shown import Shown, kept
 from trackmarshal.cli.sources import Sources, kept_runs
 from trackmarshal.files import SETTLE, UNMERGED
@@ -42,7 +40,7 @@ class Assessment:
     results: list[TestResult]
     runs: list[RunSummary]
     fault_results: list[FaultResult]
-    #: What is wrong with the evidence store, and with the history of the baseline.
+    #: What is wrong with the evidence store and the history of the baseline, and that files were written meanwhile.
     store_found: list[Finding]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
     #: What was kept to be shown, where replays were asked for and need not be made.
@@ -119,10 +117,12 @@ def assess(
     """
     from trackmarshal.trace import reading, requirements
 
-    project = requirements.load(root, [])
+    with opened(root) as read:
+        project = requirements.load(root, [])
+    # Others may add to the store meanwhile: what it said is what it says.
     answers = Answers(root, root / project.results, again)
     made = _Making(root, project, quiet)
-    with opened(root) as read:
+    with opened(root) as later:
         if again:
             said = made.facts()
         else:
@@ -134,15 +134,14 @@ def assess(
         runs = list(_runs(answers, said, made if run else None, replays and shown is None))
         faults = list(_faults(answers, said, made if run else None))
     # Of what was written since it was first read, nobody knows which of both a result is of, and which its inputs say.
-    others = written(root, read)
+    others = written(root, later | read)
     if others:
         said = replace(said, state="")
-    if others and answers.drop():
-        more = f" (and {len(others) - 1} more)" if len(others) > 1 else ""
-        told = f"`{others[0]}`{more} was written while it was read: no result is kept as evidence"
-        say(f"note: {told}", file=sys.stderr)
+    dropped = bool(others) and answers.drop()
     answers.write()
     found = _of_store(answers, root)
+    if others:
+        found.append(_of_both(others, dropped))
     if again and project.baseline:
         found += acceptances.check(root, str(project.baseline))
     runs += _kept_runs(root, project)
@@ -240,6 +239,16 @@ def _kept_runs(root: Path, project: Project) -> list[RunSummary]:
         for run in evidence.kept(root / file, "runs")
         if run.scenario == shown
     ]
+
+
+def _of_both(others: Sequence[str], dropped: bool) -> Finding:
+    """That files are others than they were when they were read (T296). dropped: whether something was found out meanwhile."""
+    from trackmarshal.trace.findings import Place, error
+
+    more = f", and {len(others) - 1} more," if len(others) > 1 else ""
+    kept = ": no result is kept as evidence" if dropped else ""
+    message = f"`{others[0]}`{more} was written while it was read{kept}"
+    return error("T296", message, Place(others[0]), "run this again once nothing writes to the project")
 
 
 def _of_store(answers: Answers, root: Path) -> list[Finding]:

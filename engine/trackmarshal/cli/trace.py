@@ -100,6 +100,11 @@ def _run(args: argparse.Namespace) -> int:
                 raise TrackmarshalError(
                     wrong.code, why, help="mend them first; `trackmarshal check` shows where"
                 )
+        for wrong in found.store_found:
+            if wrong.code == "T296":
+                raise TrackmarshalError(
+                    wrong.code, f"no baseline is accepted: {wrong.message}", help=wrong.help
+                )
         target, weaker = trace.accept_baseline(
             root, said.items, said.tests, said.fault_cases, said.parts, said.run_inputs, by=args.by, reason=args.reason,
             today=today, tell=found.weakening(), engine=tool(),

@@ -127,8 +127,9 @@ def causes(
 
     demands: of the gate, which is no part of the graph, where each stands and how the baseline calls it.
     """
-    # Whoever changes results does so beside whatever else was changed; and that there is no baseline says nothing about documents.
-    apart = [*_STEPS[FORGED].split(), "T220"]
+    # Whoever changes results does so beside whatever else was changed; and that there is no baseline, or that files were written meanwhile, says
+    # nothing about documents.
+    apart = [*_STEPS[FORGED].split(), "T220", "T296"]
     told = [f for f in findings if f.level != "note" and f.code not in apart]
     return _Folding(told, graph, demands).done()
 
