@@ -100,6 +100,19 @@ def test_a_moved_threshold(value: str, word: str, car: Path) -> None:
     )
 
 
+def test_a_threshold_that_the_recording_sets_itself(car: Path) -> None:
+    """The scenario has a speed limit of its own, which stands in place of the one before and of the one now: that no cycle tells the two apart is no wonder."""
+    path = car / "specs" / "speed.spec"
+    path.write_text(path.read_text("utf-8").replace("= 30 m/s", "= 45 m/s"), "utf-8")
+    (message,) = findings(car, "T372")
+    own = "; nothing is told of that by `too_fast`, which has speed.v_event = 30 m/s in place of 30 m/s and 45 m/s"
+    assert message.endswith(f"; not told: no recorded cycle of 62 tells the two apart{own}")
+    # Of an edit that it shows, that is not said.
+    slack(car, "3")
+    path.write_text(path.read_text("utf-8").replace("= 45 m/s", "= 30 m/s"), "utf-8")
+    assert "nothing is told" not in findings(car, "T372")[0]
+
+
 def test_it_is_told_once_and_kept(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rule(car, "p.v <= v_event + slack + 2 m/s")
     first = findings(car, "T370")

@@ -147,7 +147,7 @@ def _note(old: Judged, new: Judged) -> None:
     from trackmarshal.scenarios.fields import other_spec
     from trackmarshal.scenarios.overrides import hidden
 
-    for one in hidden(new.recording, old.evaluator.spec, new.evaluator.spec):
+    for _, one in hidden(new.recording, old.evaluator.spec, new.evaluator.spec):
         say(f"note: {new.recording.name} does not show an edit: it has {one}", file=sys.stderr)
     other = other_spec(new.recording, old.evaluator) and other_spec(new.recording, new.evaluator)
     if other:

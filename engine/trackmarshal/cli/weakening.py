@@ -7,7 +7,7 @@ held against the hashes, so that nothing is told of other specs than those that 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -138,7 +138,7 @@ class Weakening:
                     pairs, lacking = then.pairs(self._sources)
                     for name in fitting:
                         del left[name]
-                        yield (name, *_said(name, pairs, lacking), True)
+                        yield (name, *_said(name, pairs, lacking, self._items[name].inputs), True)
             for name in left:
                 yield name, NOT_TOLD, why or "the specs that were accepted are in no commit at hand", False
 
@@ -242,12 +242,13 @@ def _all_rules(before: Content) -> str:
     return sha256(*(f"{key} {value}" for key, value in sorted(said.items()) if value))
 
 
-def _said(name: str, pairs: Sequence[Pair], lacking: int) -> tuple[str, str]:
-    """A word, and a sentence."""
+def _said(name: str, pairs: Sequence[Pair], lacking: int, reads: Collection[str]) -> tuple[str, str]:
+    """A word, and a sentence. reads: what the rule reads, by name (`param x`)."""
     from trackmarshal.comparing import of_rule
 
     change = of_rule(pairs, name)
     left_out = f"; {lacking} recordings cannot be judged by both" if lacking else ""
+    left_out += _hidden(pairs, reads)
     if change is None or not change.cycles:
         return NOT_TOLD, f"no recording is judged by it{left_out}"
     if change.word not in _WORDS:
@@ -258,6 +259,22 @@ def _said(name: str, pairs: Sequence[Pair], lacking: int) -> tuple[str, str]:
         )
         return NOT_TOLD, why + left_out
     return _WORDS[change.word], _numbers(change) + left_out
+
+
+def _hidden(pairs: Sequence[Pair], reads: Collection[str]) -> str:
+    """That recordings show nothing of another value that the rule reads, since they have their own in place of it."""
+    from trackmarshal.scenarios.overrides import hidden
+
+    found = [
+        f"`{pair.new.recording.name}`, which has {said}"
+        for pair in pairs
+        for name, said in hidden(pair.new.recording, pair.old.evaluator.spec, pair.new.evaluator.spec)
+        if name in reads
+    ]
+    if not found:
+        return ""
+    more = f", and {len(found) - 1} more such" if len(found) > 1 else ""
+    return f"; nothing is told of that by {found[0]}{more}"
 
 
 def _numbers(change: RuleChange) -> str:

@@ -85,18 +85,20 @@ def overrides(recording: Recording, spec: Spec) -> Iterator[Override]:
                 )
 
 
-def hidden(recording: Recording, old: Spec, new: Spec) -> Iterator[str]:
-    """Values that two specs declare otherwise, and of which the recording shows nothing, since it has its own in place of both."""
+def hidden(recording: Recording, old: Spec, new: Spec) -> Iterator[tuple[str, str]]:
+    """Values that two specs declare otherwise, and of which the recording shows nothing, since it has its own in place of both: by name (`param x`,
+    `table x`), and in words."""
     for name, value in recording.params.items():
         for info in _named(new.params, name):
             before = old.params.get(info.name)
             if before is not None and before.value != info.value:
-                yield f"{info.name} = {_shown(value, info)} in place of {in_full(before.value, before.unit)} and {in_full(info.value, info.unit)}"
+                both = f"{in_full(before.value, before.unit)} and {in_full(info.value, info.unit)}"
+                yield f"param {info.name}", f"{info.name} = {_shown(value, info)} in place of {both}"
     for name in recording.tables:
         for table in _named(new.tables, name):
             was = old.tables.get(table.name)
             if was is not None and (was.knots, was.values) != (table.knots, table.values):
-                yield f"the table {table.name} in place of both"
+                yield f"table {table.name}", f"the table {table.name} in place of both"
 
 
 def _named(infos: Any, name: str) -> Iterator[Any]:
