@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -135,6 +136,18 @@ def test_the_commands_that_make_it_again_have_its_words(warehouse: Path) -> None
     }
     assert commands["en"].endswith(f"trackmarshal case --day {DAY} --out DIR")
     assert commands["de"].endswith(f"trackmarshal case --day {DAY} --words de --out DIR")
+
+
+def test_it_says_that_it_comes_again_only_where_it_does(warehouse: Path) -> None:
+    """Written before its evidence is made, it is another document once its commands have made that; and where there is no commit, it names none."""
+    first = html(warehouse)
+    assert "With the same tool and the same files, these commands come to the same document, byte for byte:" in first.texts  # fmt: skip
+    shutil.rmtree(warehouse / "out")
+    lacking = html(warehouse)
+    assert not any("byte for byte" in text for text in lacking.texts)
+    assert any(text.startswith("Evidence was missing or stale when this was written.") for text in lacking.texts)  # fmt: skip
+    assert command(warehouse, "trace", "--gate", "--rerun")[0] == 0
+    assert lacking.html != html(warehouse).html == first.html
 
 
 def test_typst_sets_the_language(warehouse: Path, monkeypatch: pytest.MonkeyPatch) -> None:

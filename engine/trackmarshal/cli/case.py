@@ -82,6 +82,7 @@ def _run(args: argparse.Namespace) -> int:
     found = assess(root, run=False, quiet=args.quiet)
     words = _words(args.words, found, root)
     given = replace(_inputs(found, root, _day(args.day, root)), asked=_asked(args))
+    given = replace(given, lacking=any(one.code in _NOT_UP_TO_DATE for one in given.matrix.findings))
     folder = _templates(args.templates, found, root)
     problems: list[TrackmarshalError] = []
     document = _drawn(given, words, problems)
@@ -117,7 +118,7 @@ def _run(args: argparse.Namespace) -> int:
             f"{matrix.project}: {matrix.verdict}",
             file=sys.stderr,
         )
-        if any(finding.code in _NOT_UP_TO_DATE for finding in matrix.findings):
+        if given.lacking:
             say(
                 "evidence is missing or stale: nothing is run here, `trackmarshal assess` does",
                 file=sys.stderr,

@@ -53,6 +53,9 @@ class Inputs:
     asked: str = (
         ""  #: words or templates that were asked for in place of the project's, as options of the command
     )
+    lacking: bool = (
+        False  #: whether evidence is missing or stale, so that running it may come to another document
+    )
     draw: bool = True  #: whether the argument is drawn, which takes the extra `gsn`
 
 

@@ -75,16 +75,17 @@ def glossary(writing: Writing) -> Section:
 def again(writing: Writing) -> Section:
     """What went in, by hash, and the commands that come to the same bytes."""
     made = writing.given
-    commit = made.commit.removesuffix("+")
-    commands = [f"git checkout {commit}"] if commit else []
+    changed = made.commit.endswith("+")
+    commands = [f"git checkout {made.commit}"] if made.commit and not changed else []
     commands += [
         "trackmarshal trace --gate --rerun",
         " ".join(
             filter(None, ("trackmarshal case --day", made.matrix.today.isoformat(), made.asked, "--out DIR"))
         ),
     ]
-    blocks: list[Block] = [writing.paragraph("again.how"), Verbatim("\n".join(commands))]
-    if made.commit.endswith("+"):
+    how = writing.missing("again.lacking") if made.lacking else writing.paragraph("again.how")
+    blocks: list[Block] = [how, Verbatim("\n".join(commands))]
+    if changed:
         blocks.append(writing.missing("again.changed"))
     documents = [
         (node.id, node.attributes["fingerprint"])
