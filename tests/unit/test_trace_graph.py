@@ -120,6 +120,23 @@ def test_from_a_requirement_down_to_its_tests(warehouse: Path) -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("question", [("--from", "SYS-1", "--to", "test"), ("--statistics",)])
+@pytest.mark.parametrize(
+    ("file", "old", "new", "said"),
+    [
+        ("specs/robot.spec", "robot.v <= 0.3 m/s", "robot.w <= 0.3 m/s", "specs/robot.spec:8:13: error[E210]"),
+        ("requirements/needs.yaml", "document:", "document: [", "requirements/needs.yaml:2"),
+    ],
+)  # fmt: skip
+def test_an_answer_says_what_it_lacks(
+    question: tuple[str, ...], file: str, old: str, new: str, said: str, warehouse: Path, tmp_path: Path
+) -> None:
+    """Of specs with errors there is no rule in the graph, and of a document that cannot be read nothing: that nothing leads to a test was the whole answer."""
+    root = edited(warehouse, tmp_path, file, old, new)
+    status, _, err = command(root, "trace", *question)
+    assert (status, said in err) == (2, True), err
+
+
 def test_from_a_test_up_to_what_may_harm_somebody(warehouse: Path) -> None:
     found = rows(warehouse, "--from", "test:slow_near_people: slow", "--to", "hazard")
     assert [(row[0], row[3]) for row in found] == [("test", "HZ-1")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.output import say
@@ -49,7 +50,8 @@ def asks(args: argparse.Namespace) -> bool:
 
 
 def answer(matrix: Matrix, args: argparse.Namespace) -> int:
-    """Print the answer; raises T169 for names of nothing, and for formats that are no table."""
+    """Print the answer, and what it lacks since it could not be read; 2 where that is a document, or all rules. Raises T169 for names of nothing, and
+    for formats that are no table."""
     from trackmarshal.trace.graph.paths import named, paths
     from trackmarshal.trace.graph.statistics import numbers
     from trackmarshal.trace.render import answers
@@ -66,6 +68,8 @@ def answer(matrix: Matrix, args: argparse.Namespace) -> int:
             "paths and numbers are two tables, and CSV is one",
             help="ask twice, or for `--format json`",
         )
+    for finding in matrix.misread:
+        say(*str(finding).split("\n"), file=sys.stderr)
     graph = matrix.graph
     counted = numbers(matrix) if args.statistics else None
     if args.source is not None:
@@ -77,7 +81,9 @@ def answer(matrix: Matrix, args: argparse.Namespace) -> int:
         say(*made.removesuffix("\n").split("\n"))
     else:
         print(made, end="")
-    return 2 if matrix.unusable else 0
+    # Of specs with errors there is no rule and no test in the graph: that nothing leads there is no answer.
+    broken = any(one.level == "error" and one.code.startswith("E") for one in matrix.misread)
+    return 2 if matrix.unusable or broken else 0
 
 
 __all__ = ["answer", "asks", "configure"]

@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 
 #: Formats, and what files of them end with.
 ENDINGS = {"text": ".txt", "svg": ".svg", "yaml": ".gsn.yaml", "json": ".json"}
-#: Codes before this one are of reading documents: what could not be read is missing in the argument.
-READ = "T130"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -60,10 +58,10 @@ def run(args: argparse.Namespace) -> int:
             say(*text.removesuffix("\n").split("\n"))
     else:
         write("".join(made.values()))
-    misread = [finding for finding in matrix.findings if finding.code < READ]
-    for finding in (*misread, *case.findings):
+    found_wrong = (*matrix.misread, *case.findings)
+    for finding in found_wrong:
         say(*str(finding).split("\n"), file=sys.stderr)
-    wrong = [finding for finding in (*misread, *case.findings) if finding.level == "error"]
+    wrong = [finding for finding in found_wrong if finding.level == "error"]
     if args.gate and not args.quiet:
         said = f"{len(wrong)} error{'s' if len(wrong) > 1 else ''}" if wrong else "passed"
         print(f"gate: {said}", file=sys.stderr)

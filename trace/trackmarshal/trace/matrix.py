@@ -46,6 +46,8 @@ from trackmarshal.trace.verdict import verdict
 
 #: Findings that mean that a document could not be used as it is: reading, YAML, which document it is.
 UNUSABLE = frozenset(f"T1{number:02}" for number in range(1, 14))
+#: Codes before this one are of reading specs and documents.
+_READ = "T130"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +129,11 @@ class Matrix:
     def unusable(self) -> bool:
         """Whether a document could not be read, so that the matrix lacks what it says."""
         return any(finding.code in UNUSABLE for finding in self.findings)
+
+    @property
+    def misread(self) -> tuple[Finding, ...]:
+        """What is wrong with reading specs and documents: what could not be read is missing in the graph, and in all that is made of it."""
+        return tuple(finding for finding in self.findings if finding.code < _READ)
 
     @property
     def coverage(self) -> dict[str, dict[str, int]]:
