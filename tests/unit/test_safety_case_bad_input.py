@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from support.planted.project import SOURCE
 from support.project import command
-from support.safety_case import DAY, edit, html
+from support.safety_case import DAY, Page, edit, html
 from trackmarshal.trace.case.html import _text as html_text
 from trackmarshal.trace.case.typst import string as typst_string
 
@@ -78,6 +78,28 @@ def test_of_a_project_in_which_there_is_nothing_not_all_is_well(tmp_path: Path) 
     assert "Every cell" not in page.html
     assert "All that is expected to be read" not in page.html
     assert {"No stage asks anything of a requirement: there is no cell that could be covered.", "Nothing is declared that is expected to be read."} <= set(page.texts)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("file", "none"),
+    [
+        ("specs/robot.spec", "There are no rules."),
+        ("requirements/hazards.yaml", "No hazards: no requirement comes from a hazard analysis."),
+        ("requirements/needs.yaml", "There are no requirements."),
+    ],
+)  # fmt: skip
+def test_of_what_could_not_be_read_it_is_said_that_it_is_missing(
+    file: str, none: str, warehouse: Path
+) -> None:
+    """It is no project without rules, or without hazards, where a typing error keeps them from being read."""
+    said = "Not all of this project could be read, as the errors say."
+    whole = html(warehouse)
+    assert not any(text == none or text.startswith(said) for text in whole.texts)
+    (warehouse / file).write_text("] {\n", "utf-8")
+    assert command(warehouse, "case", "--out", str(warehouse / "out"), "--format", "html")[0] in (1, 2)
+    page = Page((warehouse / "out" / "safety-case.html").read_text("utf-8"))
+    assert none in page.texts
+    assert any(text.startswith(said) for text in Page(page.first).texts)
 
 
 def test_blanks_that_people_write_are_no_unknown_letters_on_paper() -> None:

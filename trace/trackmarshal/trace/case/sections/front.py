@@ -64,7 +64,8 @@ def cover(writing: Writing) -> Section:
 def open_points(writing: Writing) -> Section:
     """What fails, what is stale, what is missing, and who answers for what: first what is worst."""
     matrix = writing.given.matrix
-    blocks: list[Block] = []
+    misread = any(finding.level == "error" for finding in matrix.misread)
+    blocks: list[Block] = [writing.missing("open.misread")] if misread else []
     for level in LEVELS:
         found = [finding for finding in matrix.standing if finding.level == level]
         if found:
