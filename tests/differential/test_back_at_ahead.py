@@ -63,3 +63,30 @@ def test_all_say_the_same_of_every_cycle(formula: str) -> None:
         assert found["reference"].keys() == set(range(len(rows)))
         for name in ("numpy", "c"):
             assert said(evaluators[name], rows, True) == found["reference"], name
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+@pytest.mark.parametrize(
+    ("formula", "expected"),
+    [
+        ("once[0 s, 9 s] (next o.v > 0)", "++++---"),
+        ("once (next o.v > 0)", "++++---"),
+        ("((next o.v > -9) since[0 s, 9 s] (next o.v > 0))", "+++----"),
+        ("count(next o.v > 0, last: 9 s) >= 1", "++++---"),
+        ("(previous (weak next o.v > 0))", "-++----"),
+        ("(next o.v < 0)", "--+-+++"),
+        ("eventually[1 s, 1 s] o.v < 0", "--+-+++"),
+    ],
+)
+def test_who_takes_the_place_of_another_has_nothing_of_its_past(
+    backend: str, formula: str, expected: str
+) -> None:
+    """`b` comes as `a` leaves: what is kept of `b` is kept where that of `a` was. By cycle, whether the formula holds."""
+    text = f'module m\nsignal objects : set of object {{ v: 1 }}\nrule f "x"\n  for all o in objects\n  require {formula}\n'
+    evaluator = Evaluator(loads(text), backend=backend)
+    run, found = evaluator.over_run(), dict[object, str]()
+    for k, (name, v) in enumerate([*zip("aaaa", (1, 1, 1, -1)), *zip("bbbb", (-1, -1, -1, -1))]):
+        read = evaluator.read({"id": k, "t": k, "signals": {"objects": [{"id": name, "v": v}]}})
+        found |= {one.cycle: one.verdict for one in run.step(read).rules["f"].about if one.final}
+    said = "".join({"satisfied": "+", "violated": "-"}[found[k]] for k in range(7))
+    assert said == expected
