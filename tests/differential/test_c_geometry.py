@@ -283,3 +283,18 @@ def test_borders_that_touch_at_the_edge_of_all_that_there_is(quarters: int) -> N
             given = {"ego": {"x": x, "y": y, "heading": 0.0}, "track": {"left": one, "right": other}}
             said = [program.case({"signals": given}).rules["f"].verdict for program in programs]
             assert said == [verdict] * 3
+
+
+@pytest.mark.parametrize("first", [0.0, 500.0])
+def test_of_one_body_inside_nothing_follows_for_the_next_one(first: float) -> None:
+    """Sweeps that follow each other share a pose, so that the second one begins inside where the first one ended there; other bodies share none."""
+    spec = loads(
+        "module m\nsignal objects : set of object { x: m, y: m, heading: rad }\nsignal track : corridor { left: polyline, right: polyline }\n"
+        'rule f "x"\n  for all o in objects\n  require footprint(o, 4 m, 2 m) inside track\n'
+    )
+    objects = [{"x": 50.0, "y": y, "heading": 0.0} for y in (first, 500.0 - first)]
+    track = {"left": [[0, 10], [100, 10]], "right": [[0, -10], [100, -10]]}
+    for backend in ("reference", "numpy", "c"):
+        found = Evaluator(spec, None, backend).case({"signals": {"objects": objects, "track": track}})
+        # The far corners are at 501 m, the border at 10 m.
+        assert (found.rules["f"].verdict, found.rules["f"].margin) == ("violated", -491.0)
