@@ -94,3 +94,57 @@ def test_undefined_for_good_or_open(backend: str) -> None:
             seen[first] += 1
             assert ("satisfied" in ends) == (first == "open"), (seed, first, ends)
     assert all(seen.values()), seen
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_undefined_for_good_or_open_in_one_program() -> None:
+    """The same of generated C, of many rules at once: one is compiled for all."""
+    count = amount(12, 48)
+    rules = "".join(f'rule f{seed} "x"\n  require {formula(random.Random(seed))}\n' for seed in range(count))
+    evaluator = Evaluator(loads(HEAD.partition("rule")[0] + rules), None, "c")
+    ways = list(product(product(["true", "false"], repeat=3), repeat=2))
+    come = {
+        (k, one): evaluator.read(cycle(k, one))
+        for k in (1, 2)
+        for one in product(["true", "false"], repeat=3)
+    }
+    seen = dict.fromkeys(("undefined", "open"), 0)
+    dice = random.Random(3)
+    for _ in range(3):
+        now = evaluator.read(cycle(0, tuple(dice.choice([*SAID, "undefined"]) for _ in range(3))))
+        first, ends = dict[str, str](), dict[str, set[str]]()
+        for way in ways:
+            run, last = evaluator.over_run(), dict[str, str]()
+            read = [now, *(come[1 + k, one] for k, one in enumerate(way))]
+            told = [{name: one.about for name, one in run.step(one).rules.items()} for one in read]
+            for said in (*told, run.end()):
+                last |= {name: one.verdict for name, about in said.items() for one in about if one.cycle == 0}
+                first = first or dict(last)
+            for name, verdict in last.items():
+                ends.setdefault(name, set()).add(verdict)
+        assert first.keys() == ends.keys() == {rule.name for rule in evaluator.rules}
+        for name, verdict in first.items():
+            assert "open" not in ends[name]
+            if verdict in seen:
+                seen[verdict] += 1
+                assert ("satisfied" in ends[name]) == (verdict == "open"), (name, verdict, ends[name])
+    assert min(seen.values()) >= 3, seen
+
+
+@pytest.mark.parametrize(
+    "backend",
+    [
+        "numpy",
+        "reference",
+        pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler")),
+    ],
+)
+def test_until_is_open_while_its_first_formula_holds(backend: str) -> None:
+    """What is not known leaves it to the other one, which `p until q` holds where p holds now and q in the next cycle."""
+    one, p, q = (f"ego.v{number} / ego.w{number} > 1" for number in range(3))
+    evaluator = Evaluator(loads(f"{HEAD}{one} or ({p} until[0 s, 0.1 s] {q})\n"), None, backend)
+    for held, expected in (("true", "open"), ("false", "undefined")):
+        (said,) = (
+            evaluator.over_run().step(evaluator.read(cycle(0, ("undefined", held, "false")))).rules["f"].about
+        )
+        assert said.verdict == expected
