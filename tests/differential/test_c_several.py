@@ -39,6 +39,8 @@ rule close "the same where the range leaves out its limit"
 rule both "two loops and a number that is chosen"
   require (for all consecutive o, p, q in plan: (distance(o, q) <= (if p.v < 2 m/s then 3 m else 9 m)))
           and (exists p in plan where p.a > 0 m/s^2: (p.v >= 4 m/s))
+rule ahead "in range, in the middle of a formula: whether it applies is not asked beside it; those out of range break it"
+  require (for all p in plan where p.x < 2 m: (p.v >= 5 m/s)) and ego.v <= 9 m/s
 rule none "of those in range, nothing is asked"
   for all p in plan where p.a > 0 m/s^2
   require true
