@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import random
 import struct
@@ -12,9 +13,11 @@ import numpy as np
 import pytest
 
 from support.agreement import compiled
-from trackmarshal.backends.c.build import compiler
+from trackmarshal.backends.c.build import compiler, library
 from trackmarshal.backends.c.functions.online import obstacle
 from trackmarshal.backends.c.monitoring import Monitors
+from trackmarshal.backends.c.report import context_bytes
+from trackmarshal.backends.c.source import generate
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 
@@ -175,6 +178,13 @@ def test_memory_does_not_grow_with_the_timeline() -> None:
     series = next(iter(made.evaluate([made.read({"signals": {"log": raw}})], True))).rules["r"].series
     assert series is not None
     assert outcomes["margin"].tolist() == series[1]
+
+
+def test_the_report_says_what_a_context_and_a_monitor_take() -> None:
+    """By the header alone, as a program around the generated code sees it: that is what the code itself takes."""
+    made = generate(evaluator().spec, evaluator().rules[:3], online=True)
+    dll = ctypes.CDLL(str(library(made, {})))
+    assert context_bytes(made) == (dll.tmg_size(), [dll.tmg_online_size(each) for each in range(3)])
 
 
 def test_a_sample_before_or_after_takes_no_more_room_with_every_sample() -> None:

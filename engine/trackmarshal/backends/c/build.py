@@ -80,6 +80,14 @@ def small_library(*paths: Path) -> Path:
     return _built(files, units, ["-std=c99", "-O2", *SHARED], "so")
 
 
+def sizes(source: Source, types: Sequence[str]) -> Path:
+    """The shared library with one thing in it, `tmg_sizes`: the bytes of types that a program's header declares. What they take is said by
+    the header alone, so that nothing else is compiled; raises TrackmarshalError E471 or E472."""
+    listed = ", ".join(f"sizeof({each})" for each in types)
+    unit = f'#include "{source.name}.h"\nconst size_t tmg_sizes[] = {{{listed}}};\n'
+    return _built({f"{source.name}.h": source.header, "sizes.c": unit}, ["sizes.c"], [*EXACT, *SHARED], "so")
+
+
 def program(
     source: Source, files: Mapping[str, str], units: Sequence[str], capacities: Mapping[str, int]
 ) -> Path:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from trackmarshal.backends.c import calls
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.build import EXACT, library
+from trackmarshal.backends.c.build import EXACT, sizes
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, default
 from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.functions.operators import called
@@ -103,15 +103,15 @@ def deepest(source: Source, usage: Mapping[str, int]) -> tuple[int, list[str]]:
 
 def context_bytes(source: Source) -> tuple[int, list[int]] | None:
     """Bytes of the context, and of every monitor, with the default capacities; None without a compiler."""
+    types = ["tm_context", *(f"tm_online_{each.c_name}" for each in source.monitors)]
     try:
-        dll = ctypes.CDLL(str(library(source, {})))
+        dll = ctypes.CDLL(str(sizes(source, types)))
     except TrackmarshalError as error:
         if error.code == "E471":
             return None
         raise
-    dll.tmg_size.restype = ctypes.c_size_t
-    dll.tmg_online_size.restype, dll.tmg_online_size.argtypes = ctypes.c_size_t, [ctypes.c_size_t]
-    return int(dll.tmg_size()), [int(dll.tmg_online_size(i)) for i in range(len(source.monitors))]
+    own, *monitors = (ctypes.c_size_t * len(types)).in_dll(dll, "tmg_sizes")
+    return own, monitors
 
 
 def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
