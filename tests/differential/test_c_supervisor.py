@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import shutil
 import subprocess
 from collections import Counter
@@ -22,6 +23,7 @@ from support.cycles import PERIOD, cycle, not_finite
 from support.length import amount, shared_out
 from support.pairs import Abreast, Pair, Readings, agree, declared, generated, lines_once, spec_with
 from support.sanitized import FLAGS as SANITIZED
+from support.sanitized import unit
 from support.shared import REPOSITORY, SUPERVISOR
 from trackmarshal import scenarios
 from trackmarshal.backends.c.build import EXACT, compiler
@@ -45,6 +47,7 @@ pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 FOLDER = REPOSITORY / "specs" / "scenarios"
 RECORDINGS = sorted(path.name for path in FOLDER.glob("*.tmrec.jsonl*"))
+NORTHFIELD = REPOSITORY / "specs" / "tracks" / "northfield.spec"
 #: TRACKMARSHAL_RUNS=10000 has so many generated runs of 50 cycles.
 RUNS = int(os.environ.get("TRACKMARSHAL_RUNS", "4"))
 PARTS = amount(2, 8)
@@ -284,28 +287,36 @@ def test_under_sanitizers_and_to_the_bit(
 ) -> None:
     """The same runs in a program of their own, under the address and undefined-behaviour sanitizers: the same decisions, bit by bit.
 
-    Limits and parameters are those that tm_init puts in. Every column has memory of its own, and not one byte more.
+    Limits and parameters are those that tm_init puts in. Every column has memory of its own, and not one byte more. The rules are those of the
+    shipped scenarios, whose program the emitted example is, too.
     """
     if shutil.which(compiled_by) is None:
         pytest.skip(f"{compiled_by} is not installed")
     monkeypatch.setattr("trackmarshal.backends.c.supervisor.Stepper", tape.Taped)
     runs: list[tape.Taped] = []
+    of_scenarios = Evaluator(tm.load([SUPERVISOR], [NORTHFIELD], REPOSITORY))
     for seed in range(1000, 1000 + max(2, min(200, RUNS // 4))):
-        pair = Pair(evaluator())
+        pair = Pair(of_scenarios)
         for given, readings in generated(seed):
             pair.step(given, *readings)
         assert isinstance(pair.c.stepper, tape.Taped)
         runs.append(pair.c.stepper)
     source = runs[0].source
-    tape.write(tmp_path, source)
-    sizes = [f"-D{name}={value}u" for name, value in runs[0].sizes.items()]
-    command = [compiled_by, *EXACT, *SANITIZED, *sizes, "player.c", "-o", "player", "-lm"]
+    for name, size in runs[0].sizes.items():
+        assert re.search(rf"^#define {name} {size}u$", source.header, re.MULTILINE), (
+            "a capacity of the object's own"
+        )
+    files = tape.files(source)
+    made = unit({name: files[name] for name in ("supervisor.c", "supervisor.h")}, "supervisor.c", compiled_by)
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    command = [compiled_by, *EXACT, *SANITIZED, "player.c", str(made), "-o", "player", "-lm"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    for place, made in enumerate(runs):
-        (tmp_path / "tape").write_bytes(made.tape)
+    for place, taped in enumerate(runs):
+        (tmp_path / "tape").write_bytes(taped.tape)
         ran = subprocess.run(
             ["./player", "tape", "said"], cwd=tmp_path, capture_output=True, text=True, check=False
         )
         assert (ran.returncode, ran.stderr[:3000]) == (0, ""), place
-        assert (tmp_path / "said").read_bytes() == bytes(made.said), place
+        assert (tmp_path / "said").read_bytes() == bytes(taped.said), place

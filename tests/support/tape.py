@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from trackmarshal.backends.c.glue import glue
@@ -71,19 +70,22 @@ class Taped(Stepper):
 
 
 def player(source: Source) -> str:
-    """The program: its arguments are the tape, and the file for what is decided."""
+    """The program around the rules: its arguments are the tape, and the file for what is decided."""
     from trackmarshal.backends.c.supervised.interface import FAULT_NAMES
 
     names = ", ".join(f'"{name}"' for name in FAULT_NAMES)
     assert len(HEAD) == 8
-    return f"{glue(source)}\nstatic const char *const names[] = {{{names}}};\n#define LIMITS {len(LIMITS)}\n{_PROGRAM}"
+    apart = glue(source).replace(
+        f'#include "{source.name}.c"', f'#include "{source.name}.h"', 1
+    )  # a unit of its own
+    return (
+        f"{apart}\nstatic const char *const names[] = {{{names}}};\n#define LIMITS {len(LIMITS)}\n{_PROGRAM}"
+    )
 
 
-def write(folder: Path, source: Source) -> None:
+def files(source: Source) -> dict[str, str]:
     """The program's files."""
-    (folder / f"{source.name}.h").write_text(source.header, encoding="utf-8")
-    (folder / f"{source.name}.c").write_text(source.source, encoding="utf-8")
-    (folder / "player.c").write_text(player(source), encoding="utf-8")
+    return {f"{source.name}.h": source.header, f"{source.name}.c": source.source, "player.c": player(source)}
 
 
 _PROGRAM = r"""
