@@ -65,7 +65,7 @@ def test_a_process_remembers(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | None, tmp_path: Path) -> None:
     """Rules know elements again by their ids: where not each of them has one of its own, the cycle is refused."""
-    spec, limits, now = remembering(tmp_path), Limits(budget=1e9), 0.0
+    spec, limits, now = remembering(tmp_path, pairs=True), Limits(budget=1e9), 0.0  # as above: compiled once
     program = build(spec, Evaluator(spec, None, "c").rules, limits)
     with Served(program, False) as served:
         client = Client(program.layout, served.channel(), lambda: now)
@@ -76,6 +76,7 @@ def test_a_client_that_does_not_say_which_is_which(count: int, ids: list[int] | 
                 name: {key: value for key, value in given.signals[name].items() if key != "id"}
                 for name in ("ego", "objects", "obstacles")
             }
+            signals["obstacles"]["id"] = range(len(signals["obstacles"]["x"]))
             if given_ids is not None:
                 signals["objects"]["id"] = given_ids
             signals["track"] = {side: Border(given.signals["track"][side]) for side in ("left", "right")}

@@ -16,7 +16,7 @@ from support.cycles import PERIOD, cycle, mutate
 from support.decision_lines import decision_lines
 from support.emitted import SCENARIOS, emit, name_of
 from support.length import at_length
-from support.processes import PATIENCE, Served, built, free_port
+from support.processes import PATIENCE, Served, free_port
 from support.shared import REPOSITORY, SUPERVISOR
 from support.supervised import shipped
 from trackmarshal import scenarios
@@ -35,8 +35,8 @@ pytestmark = [
     # What decides there has nothing of the planner but its messages.
     pytest.mark.verifies("S-1-B-1", "S-1-B-8"),
 ]
-#: As `replay` holds recordings, with capacities that a process has.
-OPEN = replace(Limits.open_loop(), samples=64, elements=32, border=2048)
+#: As `replay` holds recordings, with the capacities that hold by default: what is compiled for them is what broken cycles and others are judged by.
+OPEN = replace(Limits.open_loop(), samples=128, elements=32, border=2048)
 
 
 @pytest.fixture(scope="module")
@@ -78,12 +78,11 @@ def test_the_shipped_scenarios(recording: Path, evaluator: Evaluator) -> None:
 
 
 @pytest.mark.parametrize("udp", [at_length(False), True], ids=["shared memory", "datagrams"])
-def test_broken_cycles(udp: bool) -> None:
+def test_broken_cycles(udp: bool, evaluator: Evaluator) -> None:
     """All faults that the door finds, with their places, and those that Python finds before it."""
-    spec, rng, now, faults = shipped(), random.Random(7), 0.0, set()
-    limits = Limits(budget=1e9)
-    rules = [rule for rule in spec.rules if rule.formula is not None]
-    program = built(limits)
+    spec, rng, now, faults = evaluator.spec, random.Random(7), 0.0, set()
+    limits, rules = Limits(budget=1e9), evaluator.rules
+    program = build(spec, rules, limits)
     with Served(program, udp) as served:
         client = Client(program.layout, served.channel(), lambda: now)
         remote = RemoteSupervisor(spec, rules, client, limits, lambda: now, patience=PATIENCE)
