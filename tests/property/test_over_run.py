@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -20,9 +21,13 @@ Said = list[Any]
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "7"))
 
 
+#: The spec of a text, one for all that are held against each other.
+loaded = lru_cache(8)(loads)
+
+
 def said(text: str, backend: str, cycles: list[dict[str, Any] | None]) -> Said:
     """Everything that a rule says in every cycle, and after the last one."""
-    evaluator = Evaluator(loads(text), backend=backend)
+    evaluator = Evaluator(loaded(text), backend=backend)
     run, found = evaluator.over_run(), list[Any]()
     for cycle in cycles:
         if cycle is None:

@@ -6,6 +6,7 @@ import math
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -30,8 +31,9 @@ from trackmarshal.runtime.verdict import VERDICTS, CaseResult, RuleResult
 INEXACT = frozenset(name for name, function in FUNCTIONS.items() if function.libm)
 
 
+@lru_cache(128)
 def compiled(text: str) -> Spec:
-    """A spec from text; raises Diagnostics."""
+    """A spec from text, one for all evaluators that are asked about it; raises Diagnostics."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "made.spec"
         path.write_text(text, encoding="utf-8")
