@@ -19,13 +19,14 @@ def make(folder: Path) -> Path:
     """The shuttle in a git repository of its own, its baseline accepted, its evidence in the store."""
     root = folder / "shuttle"
     shutil.copytree(SOURCE, root)
-    run_git(root, "init", "-q")
+    run_git(root, "init", "-q", "--template=")  # no files that every copy has and nothing reads
     day = ("--day", TODAY.isoformat())
     who = ("--by", "Sam Safety", "--reason", "the first one")
     status, _, err = command(root, "trace", "--accept-baseline", *who, *day)
     assert status == 0, err
     run_git(root, "add", ".")
     run_git(root, "commit", "-qm", "The shuttle")
+    run_git(root, "gc", "-q")  # one file of objects, not a folder for each
     status, out, err = command(root, "trace", "--gate", *day)
     assert status == 0, out + err
     return root
