@@ -542,14 +542,14 @@ def replayed(name: str, content: bytes) -> Outcome:
 
 def zipped(*members: tuple[str, bytes]) -> bytes:
     buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, content in members:
             archive.writestr(name, content)
     return buffer.getvalue()
 
 
 def bomb() -> bytes:
-    """Made where it is needed: packing it takes longer than all other tests here take to be found."""
+    """Made where it is needed: packing it takes long, even quickly."""
     return zipped(("a.scn", b"0" * 300_000_000), ("a.sas", b""))
 
 
@@ -649,7 +649,7 @@ def test_ctrl_c_while_waiting_for_data(many: Path) -> None:
 
 def test_ctrl_c_during_a_long_replay() -> None:
     recordings = [ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl"] * 200
-    replay: list[str | Path] = ["replay", *recordings, "--spec", SUPERVISOR]
+    replay: list[str | Path] = ["replay", *recordings, "--spec", SUPERVISOR, "--rule", "friction"]
     with started(
         *COMMAND, *replay, "--format", "jsonl", "--project", ROOT, stderr=subprocess.PIPE
     ) as process:
@@ -683,9 +683,13 @@ def test_a_reader_of_messages_that_goes_away(tmp_path: Path) -> None:
 
 
 def test_without_standard_streams(many: Path) -> None:
-    for redirection in (">&-", "2>&-", "<&- >&- 2>&-"):
+    results, messages = (
+        (*EVAL, str(many)),
+        (*COMMAND, "check", "none.spec"),
+    )  # whose status is not that of a traceback
+    for redirection, words in ((">&-", results), ("2>&-", messages), ("<&- >&- 2>&-", messages)):
         script = f'exec "$@" {redirection}'
-        arguments = ["sh", "-c", script, "sh", *EVAL, str(many)]
+        arguments = ["sh", "-c", script, "sh", *words]
         done = subprocess.run(arguments, capture_output=True, check=False)
         assert done.returncode in (0, 2), (redirection, done)
         assert b"Traceback" not in done.stderr
@@ -719,9 +723,7 @@ def test_the_command_itself_gives_status_and_message(tmp_path: Path) -> None:
     (tmp_path / "cases.jsonl").write_text("{\n")
     for arguments, status, code in (
         (("check", "bad.spec"), 1, "E301"),
-        (("check", "none.spec"), 2, "E001"),
         (("eval", "good.spec", "--data", "cases.jsonl"), 2, "D101"),
-        (("replay", "none.saa", "--spec", "good.spec"), 2, "D120"),
     ):
         done = subprocess.run([*COMMAND, *arguments], capture_output=True, check=False, text=True)
         assert done.returncode == status
