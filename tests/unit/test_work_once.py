@@ -21,12 +21,12 @@ from support.cycles import cycle
 from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generated
-from trackmarshal.backends.reference.evaluator import Env, Reference
+from trackmarshal.backends.reference.evaluator import Reference
+from trackmarshal.backends.reference.functions import Env, Functions, Value
 from trackmarshal.backends.reference.geometry import curvilinear
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir import straight
-from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.contract import of_cycles
 from trackmarshal.runtime.door import lines
 from trackmarshal.runtime.door.columns import ColumnsReader
@@ -237,16 +237,21 @@ def test_a_point_on_an_axis_is_looked_for_along_a_line_once(monkeypatch: pytest.
     assert asked == [("5.0", "0.0"), ("5.0", "-0.0")]
 
 
-class Counted(Reference):
+class Counted(Functions):
     """How often each formula is worked out."""
 
-    def __init__(self, spec: Spec, frame: Frame, often: bool = False) -> None:
-        super().__init__(spec, frame, often=often)
+    def __init__(self, often: bool = False) -> None:
+        super().__init__(often)
         self.made: Counter[ir.Formula] = Counter()
 
-    def _truth(self, node: ir.Formula, env: Env) -> Truth:
-        self.made[node] += 1
-        return super()._truth(node, env)
+    def _truth(self, node: ir.Formula) -> Value:
+        of = super()._truth(node)
+
+        def counted(case: Reference, env: Env) -> Truth:
+            self.made[node] += 1
+            return of(case, env)
+
+        return counted
 
 
 @pytest.mark.parametrize("often", [False, True])
@@ -255,12 +260,13 @@ def test_a_formula_is_worked_out_once_for_what_its_own_variables_stand_for(often
     plan = {"t": [0.0, 1.0, 2.0], "x": [0.0, 1.5, 9.0]}
     others = [{"x": -1.0}, {"x": 2.0}, {"x": 5.0}, {"x": 8.5}]
     (case,) = read(spec, ({"id": 0, "signals": {"plan": plan, "ego": {"x": 0.0}, "other": others}},))
-    values = Counted(spec, case, often=often)
+    functions = Counted(often)
+    values = Reference(spec, case, functions=functions)
     formula = spec.rules[0].formula
     assert formula is not None
     truth = values.truth(formula, {})
     assert (truth.verdict, truth.margin) == ("satisfied", 1.5)
-    compared = sorted(times for node, times in values.made.items() if isinstance(node, ir.Compare))
+    compared = sorted(times for node, times in functions.made.items() if isinstance(node, ir.Compare))
     # Whether an element is in range depends on no sample: of 3 x 4 pairs, 4 are asked about; 3 elements are in range of 3 samples.
     assert compared == [4, 9]
 

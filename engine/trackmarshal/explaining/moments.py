@@ -9,6 +9,7 @@ from trackmarshal.backends.over_run.history import History, Past
 from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
+from trackmarshal.backends.reference.functions import Functions
 from trackmarshal.explaining.course import along_course
 from trackmarshal.explaining.telling import behind, behind_over_run
 from trackmarshal.ir.spec import RuleInfo
@@ -99,6 +100,7 @@ class _Run:
     def __init__(self, replay: Replay, evaluator: Evaluator) -> None:
         self._cycles = replay.cycles
         self._spec = evaluator.spec
+        self._functions = Functions(often=True)
         #: By cycle and candidate: what rules have in common is computed once.
         self._values: dict[tuple[int, str], Reference] = {}
         self._histories: dict[tuple[int, str], History] = {}
@@ -137,7 +139,7 @@ class _Run:
         key = number, candidate
         if key not in self._values:
             frame, _ = _seen(self._cycles[number])
-            self._values[key] = Reference(self._spec, frame.of(candidate), often=True)
+            self._values[key] = Reference(self._spec, frame.of(candidate), functions=self._functions)
         return self._values[key]
 
     def _until(self, candidate: str, number: int) -> list[Past]:

@@ -163,27 +163,36 @@ def _function(name: FunctionName) -> Callable[..., float]:
             assert_never(name)
 
 
-_FUNCTIONS = {name: _function(name) for name in FUNCTIONS}
+#: The built-in functions; NaN in, NaN out.
+BUILT_IN = {name: _function(name) for name in FUNCTIONS}
 
 
 def apply(name: FunctionName, args: Sequence[float]) -> float:
-    """A built-in function; NaN in, NaN out."""
-    return _FUNCTIONS[name](*args)
+    """One of them."""
+    return BUILT_IN[name](*args)
+
+
+def _compared(op: ComparisonOp) -> Callable[[float, float], bool]:
+    match op:
+        case "<":
+            return operator.lt
+        case "<=":
+            return operator.le
+        case "==" | "is":
+            return operator.eq
+        case "!=":
+            return operator.ne
+        case _:
+            assert_never(op)
+
+
+#: Comparisons of two finite numbers.
+COMPARED = {op: _compared(op) for op in COMPARISONS}
 
 
 def compare(op: ComparisonOp, a: float, b: float) -> bool:
-    """A comparison of two finite numbers."""
-    match op:
-        case "<":
-            return a < b
-        case "<=":
-            return a <= b
-        case "==" | "is":
-            return a == b
-        case "!=":
-            return a != b
-        case _:
-            assert_never(op)
+    """One of them."""
+    return COMPARED[op](a, b)
 
 
 def _measured(measure: Measure) -> Callable[[float, float], float]:
@@ -200,9 +209,10 @@ def _measured(measure: Measure) -> Callable[[float, float], float]:
             assert_never(measure)
 
 
-_MARGINS = {op: _measured(comparison.measure) for op, comparison in COMPARISONS.items()}
+#: How far inside comparisons are: positive inside, negative outside.
+MARGINS = {op: _measured(comparison.measure) for op, comparison in COMPARISONS.items()}
 
 
 def margin(op: ComparisonOp, a: float, b: float) -> float:
-    """How far inside a comparison is: positive inside, negative outside."""
-    return _MARGINS[op](a, b)
+    """Of one of them."""
+    return MARGINS[op](a, b)

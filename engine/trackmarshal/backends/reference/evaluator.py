@@ -4,186 +4,51 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, partial
-from typing import assert_never
-from weakref import WeakKeyDictionary, WeakSet
+from functools import cache, cached_property, partial
+from typing import Any, assert_never
 
 from trackmarshal.backends import witness
 from trackmarshal.backends.over_run.counts import Range, compared
 from trackmarshal.backends.reference import geometry, temporal
-from trackmarshal.backends.reference.lanes import on_lane
+from trackmarshal.backends.reference.functions import Env, Functions
 from trackmarshal.backends.results import Outcomes, Stateless, rated
 from trackmarshal.ir import arithmetic
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.operators import Extreme
 from trackmarshal.ir.spec import Spec
-from trackmarshal.ir.tables import read, read_grid
-from trackmarshal.node import Node
 from trackmarshal.runtime.frame import Columns, Frame
-from trackmarshal.runtime.kleene import (
-    FALSE,
-    TRUE,
-    UNDEFINED,
-    connect,
-    greatest,
-    known,
-    least,
-    negate,
-    scaled,
-)
+from trackmarshal.runtime.kleene import FALSE, TRUE, UNDEFINED
 from trackmarshal.runtime.lines import Point
 from trackmarshal.runtime.timeline import Measured, measured
 from trackmarshal.runtime.verdict import Bound, Truth
 
-#: The index of the variable of each axis that is bound, by the axis's level.
-Env = dict[int, int]
-#: Numbers that are as quickly read again as looked up.
-_READ_AT_ONCE = {ir.Const, ir.Param, ir.Sample, ir.Scalar}
-
-
-#: What `levels` found, as long as a node is there.
-_LEVELS: WeakKeyDictionary[Node, frozenset[int]] = WeakKeyDictionary()
-#: Nodes that `levels` came to more than once: what is bound by `let` and used twice would be worked out twice, and in a chain of such twice as often
-#: for each of them.
-_SHARED: WeakSet[Node] = WeakSet()
-
-
-def levels(node: Node) -> frozenset[int]:
-    """The levels of the axes that a node reads."""
-    found = _LEVELS.get(node)
-    if found is None:
-        own = (node.level,) if isinstance(node, ir.Axis) else ()
-        found = frozenset(own)
-        for child in node.children():
-            if child in _LEVELS:
-                _SHARED.add(child)
-            found |= levels(child)
-        if isinstance(node, ir.Fold):  # it binds the variable of its axis itself
-            found -= {node.axis.level}
-        _LEVELS[node] = found
-    return found
-
 
 class Reference:
-    """Values of the nodes of a spec for one case, given the numbers that state machines keep; formulas, and numbers that not every bound variable is in, are computed once
-    for what the variables in them stand for.
-
-    often: the same is asked about many times, as by all rules of a spec: then every number is computed once.
-    """
+    """Values of the nodes of a spec for one case, given the numbers that state machines keep, and the functions of nodes, if others have them, too."""
 
     def __init__(
-        self, spec: Spec, frame: Frame, kept: Mapping[ir.Kept, float] | None = None, often: bool = False
-    ) -> None:
+        self, spec: Spec, frame: Frame, kept: Mapping[ir.Kept, float] | None = None, functions: Functions | None = None
+    ) -> None:  # fmt: skip
         self.spec = spec
-        self._often = often
-        self._kept = kept or {}
+        self.kept = kept or {}
         self.frame = frame
-        #: By node, as in all that follows (a node is equal to itself alone): the levels that it reads, and what it was for what stood there.
-        self._truths: dict[ir.Formula, tuple[tuple[int, ...], dict[object, Truth]]] = {}
+        self._functions = functions or Functions()
+        #: By node, as in all that follows (a node is equal to itself alone): what it was for what stood where it reads.
+        self.known: dict[ir.Num | ir.Formula, dict[object, Any]] = {}
+        #: The numbers of columns.
+        self.listed: dict[ir.Column, list[float]] = {}
         self._series: dict[tuple[ir.Timed, tuple[tuple[int, int], ...]], list[Truth]] = {}
         self._lines: dict[ir.Line, geometry.Line] = {}
         self._regions: dict[ir.Area, geometry.Region | str] = {}
-        #: Where columns are read: the numbers, the level of their axis, and how many places further.
-        self._columns: dict[ir.Column, tuple[list[float], int, int]] = {}
-        self._numbers: dict[ir.Num, tuple[tuple[int, ...], dict[object, float], bool]] = {}
         self._recalling: dict[tuple[tuple[ir.Kept, str], ...], Reference] = {}
 
     # Numbers --------------------------------------------------------------------------------------------------
 
     def number(self, node: ir.Num, env: Env) -> float:
         """The number that a node stands for; NaN where it has none."""
-        kind = type(node)
-        if kind is ir.Column:
-            return self._read(node, env)  # type: ignore[arg-type]
-        if kind in _READ_AT_ONCE:
-            return self._number(node, env)
-        known = self._numbers.get(node)
-        if known is None:
-            read = tuple(levels(node))
-            known = self._numbers[node] = (read, {}, self._often or node in _SHARED)
-        read, values, often = known
-        if len(env) <= len(read) and not often:  # every variable that is bound, mostly
-            return self._number(node, env)
-        key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
-        value = values.get(key)
-        if value is None:
-            value = values[key] = self._number(node, env)
-        return value
+        return self._functions.number(node)(self, env)
 
-    def _number(self, node: ir.Num, env: Env) -> float:
-        match node:  # what there is most of comes first
-            case ir.Arith():
-                operation = arithmetic.OPERATIONS[node.op]
-                return operation(self.number(node.left, env), self.number(node.right, env))
-            case ir.Param():
-                return self.frame.settings.params.get(node.name, self.spec.params[node.name].value)
-            case ir.Func():
-                return arithmetic.apply(node.name, [self.number(arg, env) for arg in node.args])
-            case ir.Const():
-                return node.value
-            case ir.Scalar():
-                return self.frame.value(node.signal, node.field)
-            case ir.Station():
-                return self._projected(node, env)[0]
-            case ir.Offset():
-                return self._projected(node, env)[1]
-            case ir.Direction():
-                return self._projected(node, env)[2]
-            case ir.StationGap():
-                ends = self.number(node.start, env), self.number(node.end, env)
-                return geometry.station_gap(self.line(node.line), *ends)
-            case ir.Column():
-                return self._read(node, env)
-            case ir.Sample():
-                return float(self.frame.columns[node.signal].listed(node.field)[node.index])
-            case ir.Neg():
-                return -self.number(node.operand, env)
-            case ir.Choose():
-                verdict = self.truth(node.condition, env).verdict
-                if verdict == "undefined":
-                    return math.nan
-                return self.number(node.then if verdict == "satisfied" else node.otherwise, env)
-            case ir.Lookup():
-                table = self.spec.tables[node.table]
-                knots, values = self.frame.settings.tables.get(node.table, (table.knots, table.values))
-                return read(knots, values, table.way, self.number(node.argument, env))
-            case ir.GridLookup():
-                grid = self.spec.tables[node.table]
-                assert grid.across is not None
-                columns = (grid.across.knots, grid.across.way)
-                x, y = self.number(node.first, env), self.number(node.second, env)
-                return read_grid((grid.knots, grid.way), columns, grid.values, x, y)
-            case ir.Distance():
-                x, y = self.number(node.x, env), self.number(node.y, env)
-                if node.line.kind == "path":
-                    return geometry.distance_to_path(x, y, self.line(node.line))
-                return geometry.distance_to_line(x, y, self.line(node.line))
-            case ir.StretchRoom():
-                ends = self.number(node.start, env), self.number(node.end, env)
-                return geometry.stretch_room(self.line(node.line), self.number(node.station, env), *ends)
-            case ir.Kept():
-                return self._kept[node]
-            case ir.OnLane():
-                at = [self.number(end, env) for end in node.ends]
-                return on_lane(node, self.frame, self.number(node.lane, env), at)
-            case ir.Ordinal():
-                return float(env[node.axis.level])
-            case ir.Fold():
-                return self._fold(node, env)
-            case _:
-                assert_never(node)
-
-    def _read(self, node: ir.Column, env: Env) -> float:
-        """The number of a sample or an element."""
-        found = self._columns.get(node)
-        if found is None:
-            listed = self.frame.columns[node.axis.signal].listed(node.field)
-            found = self._columns[node] = listed, node.axis.level, node.offset
-        column, level, offset = found
-        place = env[level] + offset
-        return column[place if place > 0 else 0]
-
-    def _fold(self, node: ir.Fold, env: Env) -> float:
+    def fold(self, node: ir.Fold, env: Env) -> float:
         """One number of all that is in range, element by element."""
         found: list[tuple[int, float]] = []
         for index in range(self.count(node.axis)):
@@ -212,10 +77,6 @@ class Reference:
                 return float(min(found, key=lambda each: each[1])[0]) if found else -1.0
             case _:
                 assert_never(node.op)
-
-    def _projected(self, node: ir.Projected, env: Env) -> tuple[float, float, float]:
-        """Station, offset and direction of a point."""
-        return geometry.project(self.number(node.x, env), self.number(node.y, env), self.line(node.line))
 
     def line(self, line: ir.Line) -> geometry.Line:
         """The points of a line, and whether it is closed."""
@@ -250,56 +111,9 @@ class Reference:
 
     def truth(self, node: ir.Formula, env: Env) -> Truth:
         """The value of a formula between its worst and its best case."""
-        known = self._truths.get(node)
-        if known is None:
-            known = self._truths[node] = (tuple(levels(node)), {})
-        read, values = known
-        key: object = env.get(read[0]) if len(read) == 1 else tuple(map(env.get, read))
-        value = values.get(key)
-        if value is None:
-            value = values[key] = self._truth(node, env)
-        return value
+        return self._functions.truth(node)(self, env)
 
-    def _truth(self, node: ir.Formula, env: Env) -> Truth:
-        match node:  # what there is most of comes first
-            case ir.Compare():
-                a, b = self.number(node.left, env), self.number(node.right, env)
-                if not (math.isfinite(a) and math.isfinite(b)):
-                    return UNDEFINED
-                return known(arithmetic.compare(node.op, a, b), arithmetic.margin(node.op, a, b))
-            case ir.Connective():
-                return connect(node.op, self.truth(node.left, env), self.truth(node.right, env))
-            case ir.Not():
-                return negate(self.truth(node.operand, env))
-            case ir.Truth():
-                return TRUE if node.value else FALSE
-            case ir.Flag():
-                return self._flag(node, env)
-            case ir.SweptInside() | ir.SweptClear() | ir.InArea():
-                margin = self._geometry(node, env)
-                return UNDEFINED if math.isnan(margin) else known(margin >= 0.0, margin)
-            case ir.Scaled():
-                return scaled(self.truth(node.operand, env), node.scale)
-            case ir.Quantify():
-                return self._quantify(node, env)
-            case ir.Guarded():
-                guard = self.truth(node.guard, env)
-                if not guard.best.sat:  # surely not in force, whatever it demands
-                    return TRUE
-                body = self.truth(node.body, env)
-                return Truth(body.worst, body.best if guard.worst.sat else TRUE.best)
-            case ir.Temporal() | ir.Until() | ir.Shift():
-                return self.series(node, env)[env[node.axis.level]]
-            case ir.Tallied():
-                return self._tallied(node, env)
-            case ir.At():
-                return self.truth(node.operand, {**env, node.axis.level: self.place(node)})
-            case ir.OverRun() | ir.Counted() | ir.InState():
-                raise AssertionError("one cycle does not say what a formula over the run comes to")
-            case _:
-                assert_never(node)
-
-    def _flag(self, node: ir.Flag, env: Env) -> Truth:
+    def flag(self, node: ir.Flag, env: Env) -> Truth:
         if node.axis is not None:
             assert node.field is not None
             column = self.frame.columns[node.signal].listed(node.field)
@@ -309,26 +123,6 @@ class Reference:
         if value is None:
             return UNDEFINED
         return TRUE if value else FALSE
-
-    def _geometry(self, node: ir.Geometry, env: Env) -> float:
-        match node:
-            case ir.InArea():
-                return geometry.in_zone_margin(
-                    self.number(node.x, env), self.number(node.y, env), self.zone(node.area)
-                )
-            case ir.SweptClear():
-                return geometry.clear_margin(
-                    self._pose(node.start, env), self._pose(node.end, env),
-                    self.number(node.length, env), self.number(node.width, env),
-                    self._pose(node.box, env), self.number(node.box_length, env), self.number(node.box_width, env),
-                    self._bend(node, env),
-                )  # fmt: skip
-            case ir.SweptInside():
-                start, end = self._pose(node.start, env), self._pose(node.end, env)
-                body = self.number(node.length, env), self.number(node.width, env), self._bend(node, env)
-                return geometry.hull_margin_in(self._region(node.area), start, end, *body)
-            case _:
-                assert_never(node)
 
     def _pose(self, pose: ir.Pose, env: Env) -> tuple[float, float, float]:
         return self.number(pose.x, env), self.number(pose.y, env), self.number(pose.heading, env)
@@ -346,7 +140,7 @@ class Reference:
     def zone(self, area: ir.Area) -> Sequence[Point]:
         return self.frame.settings.places.get(area.name, self.spec.places[area.name].points)
 
-    def _region(self, area: ir.Area) -> geometry.Region | str:
+    def region(self, area: ir.Area) -> geometry.Region | str:
         """The region that an area is, or what is wrong with it."""
         found = self._regions.get(area)
         if found is None:
@@ -360,24 +154,6 @@ class Reference:
     def count(self, axis: ir.Axis) -> int:
         """How many values the variable of an axis takes."""
         return max(0, self.frame.count(axis.signal) - axis.width + 1)
-
-    def _quantify(self, node: ir.Quantify, env: Env) -> Truth:
-        every = node.extreme is Extreme.LEAST
-        join = least if every else greatest
-        worst = best = Bound(*node.extreme.neutral)
-        for index in range(self.count(node.axis)):
-            inner = {**env, node.axis.level: index}
-            guard = TRUE if node.guard is None else self.truth(node.guard, inner)
-            may_be, surely_is = guard.best.sat, guard.worst.sat
-            if not may_be:  # whatever it comes to
-                continue
-            body = self.truth(node.body, inner)
-            # In the worst case every element that may be in range counts against a `for all`, and only those
-            # that surely are count for an `exists`; in the best case the other way round.
-            in_worst, in_best = (may_be, surely_is) if every else (surely_is, may_be)
-            worst = join(worst, body.worst) if in_worst else worst
-            best = join(best, body.best) if in_best else best
-        return Truth(worst, best)
 
     def series(self, node: ir.Timed, env: Env) -> list[Truth]:
         """The value of a temporal formula at every sample of its timeline."""
@@ -419,7 +195,7 @@ class Reference:
             case _:
                 assert_never(node)
 
-    def _tallied(self, node: ir.Tallied, env: Env) -> Truth:
+    def tallied(self, node: ir.Tallied, env: Env) -> Truth:
         """From a sample backwards, up to the last one with which the count starts anew: that it surely does, or that it may."""
         axis, k = node.axis, env[node.axis.level]
         columns = self.frame.columns[axis.signal]
@@ -445,7 +221,7 @@ class Reference:
         key = tuple((one, value.hex()) for one, value in kept.items())  # NaN is no key
         known = self._recalling.get(key)
         if known is None:
-            known = self._recalling[key] = Reference(self.spec, self.frame, kept)
+            known = self._recalling[key] = Reference(self.spec, self.frame, kept, self._functions)
         return known.truth(node, env)
 
     # What witnesses and results ask -------------------------------------------------------------------------
@@ -486,8 +262,15 @@ class ReferenceProgram(Stateless):
 
     backend = "reference"
 
+    @cached_property
+    def _functions(self) -> Functions:
+        return Functions()
+
     def outcomes(self, frames: Sequence[Frame]) -> list[Outcomes]:
-        made = [(frame, cache(partial(Reference, self.spec, frame))) for frame in frames]
+        made = [
+            (frame, cache(partial(Reference, self.spec, frame, functions=self._functions)))
+            for frame in frames
+        ]
         return [Outcomes(rated(self.rules, frame, values), values) for frame, values in made]
 
 
