@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import json
 import os
@@ -10,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ import pytest
 
 from support.agreement import outcomes
 from support.emitted import SCENARIOS, emit, name_of
-from support.length import AT_LENGTH, at_length
+from support.length import AT_LENGTH, amount, at_length
 from support.sanitized import FLAGS as SANITIZED
 from support.shared import SUPERVISOR
 from support.supervised import shipped
@@ -27,7 +29,7 @@ from trackmarshal.backends.c import build
 from trackmarshal.backends.c.calls import inexact
 from trackmarshal.backends.c.cycles import digest
 from trackmarshal.backends.c.program import CProgram
-from trackmarshal.backends.c.report import complexity, libm, report
+from trackmarshal.backends.c.report import complexity, context_bytes, libm, report
 from trackmarshal.backends.c.source import Source, generate
 from trackmarshal.backends.results import chosen_rules
 from trackmarshal.errors import TrackmarshalError
@@ -298,6 +300,30 @@ def test_report_says_what_an_integrator_asks(written: Path) -> None:
         assert int(stack.group(1)) > 1000
 
 
+@needs_compiler
+def test_the_report_says_the_bytes_that_a_host_takes() -> None:
+    """They are asked of the header; the compiled program says the same of its context and monitors. What no compiler takes is refused all the same."""
+    spec = loads(
+        "module m\nsignal ego : state { v: m/s }\nsignal log : series { t: s increasing, v: m/s }\n"
+        'rule apart "" require ego.v < 9 m/s\n'
+        'rule slow "" along log as p require always p.v <= 9 m/s\n'
+        'rule later "" along log as p require always[0 s, 2 s] eventually[0 s, 1 s] p.v <= 9 m/s\n'
+    )
+    made = generate(spec, list(spec.rules), online=True)
+    assert [monitor.rule.name for monitor in made.monitors] == ["slow", "later"]
+    dll = ctypes.CDLL(str(build.library(made, {})))
+    for function in (dll.tmg_size, dll.tmg_online_size):
+        function.restype = ctypes.c_size_t
+    sizes = [dll.tmg_online_size(ctypes.c_size_t(place)) for place in range(2)]
+    assert len({dll.tmg_size(), *sizes}) == 3
+    assert context_bytes(made) == (dll.tmg_size(), sizes)
+    with pytest.raises(TrackmarshalError, match="nothing") as caught:
+        context_bytes(
+            replace(made, source=f"{made.source}\nint nothing(void) {{ return nothing_of_that_name; }}\n")
+        )
+    assert caught.value.code == "E472"
+
+
 def test_the_report_counts_the_borders_of_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are looked at, and prepared, where they are new, as those of a track are: the report had none of them."""
     spec = loads(
@@ -388,7 +414,7 @@ def test_what_another_processor_cannot_run_is_kept_apart(
     monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
     told = tmp_path / "cpuinfo"
     monkeypatch.setattr(build, "PROCESSORS", told)
-    monkeypatch.setattr(build, "_compile", lambda files, units, flags, root, name, ending: (name, flags))
+    monkeypatch.setattr(build, "_compile", lambda files, units, flags, root, name, *_: (name, flags))
     names, flagged = {}, set()
     for what, text in {
         "with": WITH, "with, and without": WITH + WITHOUT, "without": WITHOUT, "without, and with": WITHOUT + WITH,
@@ -485,6 +511,8 @@ BEGINS = """
 static tm_context context;
 int main(void) { return (int)tm_init(&context); }
 """
+#: With which flags a whole Supervisor is compiled every day.
+A_SUPERVISOR_TOO = ("gcc -O1 -fsingle-precision-constant", "gcc -O0")
 
 
 @pytest.mark.parametrize(
@@ -500,14 +528,15 @@ int main(void) { return (int)tm_init(&context); }
     ],
 )  # fmt: skip
 def test_arithmetic_of_another_kind_that_no_macro_tells_of(flags: str, status: int, tmp_path: Path) -> None:  # fmt: skip
-    """Of rules alone; a Supervisor's configuration is refused likewise, so that it admits no cycle."""
+    """Of rules alone; a Supervisor's configuration is refused likewise, so that it admits no cycle. Both ask one function: every day, a Supervisor is
+    compiled with two kinds of flags, of which one is refused."""
     name, *options = flags.split()
     if "-mfma" in options and "fma" not in build._features():
         pytest.skip("this machine does not fuse")
     compiler = shutil.which(name) or shutil.which(f"{name}-14")
     if compiler is None:
         pytest.skip(f"no {name}")
-    for doored in (False, True):
+    for doored in (False, True) if AT_LENGTH or flags in A_SUPERVISOR_TOO else (False,):
         made = generate(
             shipped(), [rule for rule in shipped().rules if rule.name == "friction"], doored=doored
         )
@@ -640,11 +669,11 @@ def test_a_host_with_other_capacities_has_no_context(capacity: str, tmp_path: Pa
     (tmp_path / "supervisor.h").write_text(made.header)
     (tmp_path / "supervisor.c").write_text(made.source)
     (tmp_path / "main.c").write_text(BEGINS)
+    subprocess.run(["gcc", "-std=c99", "-c", "supervisor.c"], cwd=tmp_path, check=True)
     found = []
     for flags in ([], [f"-DTM_MAX_{capacity}=40u"]):
-        for unit, given in (("supervisor", []), ("main", flags)):
-            command = ["gcc", "-std=c99", *given, "-c", f"{unit}.c"]
-            subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
+        command = ["gcc", "-std=c99", *flags, "-c", "main.c"]
+        subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
         command = ["gcc", "supervisor.o", "main.o", "-o", "begins", "-lm"]
         subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
         found.append(subprocess.run([tmp_path / "begins"], check=False).returncode)
@@ -708,10 +737,12 @@ def test_a_line_that_is_not_there_is_refused(tmp_path: Path) -> None:
         r"^tm_status (tm_set_\w+)\(tm_context \*c, const double \*(left|points),", made.header, re.M
     )
     assert {kind for _, kind in setters} == {"left", "points"}
+    level = amount("-O0", "-O1")
+    subprocess.run(["gcc", "-std=c99", level, "-c", "supervisor.c"], cwd=tmp_path, check=True)
     for name, kind in setters:
         rest = {"left": "NULL, 4u, NULL, 4u, false", "points": "NULL, 4u"}[kind]
         (tmp_path / "main.c").write_text(SETS % f"{name}(&context, {rest})")
-        command = ["gcc", "-std=c99", "-O1", "supervisor.c", "main.c", "-o", "sets", "-lm"]
+        command = ["gcc", "-std=c99", level, "supervisor.o", "main.c", "-o", "sets", "-lm"]
         subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
         assert subprocess.run([tmp_path / "sets"], check=False).returncode == 3
 
@@ -779,9 +810,9 @@ def test_nothing_is_fused_in_a_build_of_ones_own(name: str, tmp_path: Path) -> N
 @needs_compiler
 def test_two_processes_build_at_once(tmp_path: Path) -> None:
     code = (
-        "import sys; from trackmarshal.evaluation import load; from trackmarshal.backends.c.program import CProgram\n"
-        f"spec = load({str(SUPERVISOR)!r}); p = CProgram(spec, [r for r in spec.rules if r.name == 'turn_radius'])\n"
-        "assert p.library_for().status == 0"
+        "from trackmarshal.evaluation import loads; from trackmarshal.backends.c.program import CProgram\n"
+        "spec = loads('module m\\nsignal ego : state { v: m/s }\\nrule slow \"\" require ego.v < 9 m/s\\n')\n"
+        "assert CProgram(spec, list(spec.rules)).library_for().status == 0"
     )
     env = {**os.environ, "TRACKMARSHAL_CACHE": str(tmp_path)}
     running = [subprocess.Popen([sys.executable, "-c", code], env=env) for _ in range(2)]

@@ -11,7 +11,7 @@ import pytest
 
 sympy = pytest.importorskip("sympy")
 
-from support.length import at_length  # noqa: E402
+from support.length import amount, at_length  # noqa: E402
 from support.reading import rule_of  # noqa: E402
 from trackmarshal.evaluation import Evaluator, load, loads  # noqa: E402
 from trackmarshal.ir.spec import RuleInfo, Spec  # noqa: E402
@@ -25,6 +25,14 @@ from trackmarshal.semantics.compile import compile_paths, compile_text  # noqa: 
 from trackmarshal.testing.cases import PreparedTest, prepare  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(autouse=True)
+def _fewer_inputs(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every day, a claim is held against fewer inputs than ship: as many tell a bound a thousandth beside the right one. Of friction with drag, what is
+    so on few inputs is not so on all."""
+    if "friction" not in request.node.name:
+        monkeypatch.setattr(claims, "CHECKED", amount(100, claims.CHECKED))
 
 
 @cache

@@ -103,15 +103,15 @@ def deepest(source: Source, usage: Mapping[str, int]) -> tuple[int, list[str]]:
 
 def context_bytes(source: Source) -> tuple[int, list[int]] | None:
     """Bytes of the context, and of every monitor, with the default capacities; None without a compiler."""
-    types = ["tm_context", *(f"tm_online_{each.c_name}" for each in source.monitors)]
+    types = ["tm_context", *(f"tm_online_{monitor.c_name}" for monitor in source.monitors)]
     try:
         dll = ctypes.CDLL(str(sizes(source, types)))
     except TrackmarshalError as error:
         if error.code == "E471":
             return None
         raise
-    own, *monitors = (ctypes.c_size_t * len(types)).in_dll(dll, "tmg_sizes")
-    return own, monitors
+    context, *monitors = (ctypes.c_size_t * len(types)).in_dll(dll, "sizes")
+    return context, monitors
 
 
 def _step(given: Supervised, limits: Mapping[str, int]) -> Iterator[str]:
