@@ -55,14 +55,38 @@ def driving(motion: Motion, t: float, points: int, horizon: float, own: Profile 
     return plan
 
 
-def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float], float]) -> Plan:
+#: Braking from some time on, step by step: time, distance, speed, and acceleration until the next step.
+Steps = list[tuple[float, float, float, float]]
+
+
+def emergency(
+    motion: Motion,
+    t: float,
+    braking: Braking,
+    kappa: Callable[[float], float],
+    steps: Steps | None = None,
+) -> Plan:
     """Braking from time t to rest on the path of the declared motion; samples equally long apart, the last at rest.
 
-    `kappa` gives the path's curvature by distance driven. Raises D152 where the bend leaves no grip to brake with, or
-    the declared motion ends before the car is at rest.
+    `kappa` gives the path's curvature by distance driven. steps: those of `braked`, where they are known. Raises D152 where the bend leaves no grip to
+    brake with, or the declared motion ends before the car is at rest.
     """
+    steps = braked(motion, t, braking, kappa) if steps is None else steps
+    begin = motion.profile.at(t)[2]
+    stop, last = steps[-1][0], braking.points - 1
+    times = [stop * i / last for i in range(last)]
+    samples = [_between(steps, time) for time in times] + [(steps[-1][1], 0.0, steps[-1][3])]
+    ends = [motion.profile.time_at(begin + way, t, motion.end) for way, _, _ in samples]
+    plan = _on_path(motion, ends)
+    ways, speeds, accelerations = (list(column) for column in zip(*samples))
+    plan.columns.update(t=[*times, stop], s=ways, v=speeds, a=accelerations)
+    return plan
+
+
+def braked(motion: Motion, t: float, braking: Braking, kappa: Callable[[float], float]) -> Steps:
+    """The steps of a braking, however many samples are taken of it; raises D152 as `emergency`."""
     _, v, begin = motion.profile.at(t)
-    steps = [(0.0, 0.0, v, 0.0)]  # time, distance, speed, acceleration until the next step
+    steps: Steps = [(0.0, 0.0, v, 0.0)]
     while v > 0.0:
         time, way, v, _ = steps[-1]
         left = braking.grip**2 - (v * v * kappa(begin + way)) ** 2
@@ -79,17 +103,10 @@ def emergency(motion: Motion, t: float, braking: Braking, kappa: Callable[[float
     if begin + steps[-1][1] > motion.reach:
         message = f"the braking from t = {t:.2f} s is longer than the driving trajectory"
         raise TrackmarshalError("D152", message, help="lengthen the plan's horizon")
-    stop, last = steps[-1][0], braking.points - 1
-    times = [stop * i / last for i in range(last)]
-    samples = [_between(steps, time) for time in times] + [(steps[-1][1], 0.0, steps[-1][3])]
-    ends = [motion.profile.time_at(begin + way, t, motion.end) for way, _, _ in samples]
-    plan = _on_path(motion, ends)
-    ways, speeds, accelerations = (list(column) for column in zip(*samples))
-    plan.columns.update(t=[*times, stop], s=ways, v=speeds, a=accelerations)
-    return plan
+    return steps
 
 
-def _between(steps: list[tuple[float, float, float, float]], time: float) -> tuple[float, float, float]:
+def _between(steps: Steps, time: float) -> tuple[float, float, float]:
     """Distance, speed and acceleration at a time before the stop."""
     t0, way, v, a = steps[min(int(time / STEP), len(steps) - 2)]
     h = time - t0

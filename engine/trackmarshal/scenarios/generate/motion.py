@@ -106,9 +106,13 @@ class Motion:
         self.moves = moves
         self.end = end
         self._d0 = start[1]
-        self._s = [start[0]]
+        self._known: dict[float, State] = {}
+        #: At each step, the place along the road, and its rate of change.
+        self._s, self._rates = [start[0]], list[float]()
         for i in range(math.ceil(end / STEP) + 1):
-            self._s.append(self._advance(i * STEP, self._s[-1], STEP))
+            t, s = i * STEP, self._s[-1]
+            self._rates.append(self._rate(s, t, self._forward(t)))
+            self._s.append(self._advance(i, STEP))
 
     @property
     def reach(self) -> float:
@@ -132,35 +136,49 @@ class Motion:
                 )
         return d, 0.0, 0.0
 
-    def _rate(self, t: float, s: float) -> float:
-        """ds/dt along the road at time t and place s."""
+    def _forward(self, t: float) -> tuple[float, float]:
+        """Speed along the road's direction, and offset, at time t."""
         _, v, _ = self.profile.at(t)
         d, d_rate, _ = self._lateral(t)
         if v < SLOWEST or abs(d_rate) >= v:
             message = f"the speed is {v:.2f} m/s at t = {t:.2f} s, {abs(d_rate):.2f} m/s of it sideways"
             raise TrackmarshalError("D152", message, help=f"keep it above {SLOWEST} m/s and forward")
+        return math.sqrt(v * v - d_rate * d_rate), d
+
+    def _rate(self, s: float, t: float, forward: tuple[float, float]) -> float:
+        """ds/dt at a place s along the road, of what goes forward so at time t."""
+        speed, d = forward
         along = 1.0 - d * self.road.curvature(s)
         if along <= 0.0:
             message = f"at t = {t:.2f} s the vehicle is beyond the centre of the bend"
             raise TrackmarshalError("D152", message, help="keep it on the road")
-        return math.sqrt(v * v - d_rate * d_rate) / along
+        return speed / along
 
-    def _advance(self, t: float, s: float, h: float) -> float:
-        k1 = self._rate(t, s)
-        k2 = self._rate(t + h / 2.0, s + h / 2.0 * k1)
-        k3 = self._rate(t + h / 2.0, s + h / 2.0 * k2)
-        k4 = self._rate(t + h, s + h * k3)
+    def _advance(self, i: int, h: float) -> float:
+        """The place along the road a time h behind step i."""
+        t, s, k1 = i * STEP, self._s[i], self._rates[i]
+        half, whole = t + h / 2.0, t + h
+        forward = self._forward(half)
+        k2 = self._rate(s + h / 2.0 * k1, half, forward)
+        k3 = self._rate(s + h / 2.0 * k2, half, forward)
+        k4 = self._rate(s + h * k3, whole, self._forward(whole))
         return s + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
 
     def at(self, t: float) -> State:
-        """The state at time t in [0, end]."""
+        """The state at time t in [0, end]: trajectories of cycles that follow each other ask for most times again."""
+        found = self._known.get(t)
+        if found is None:
+            found = self._known[t] = self._at(t)
+        return found
+
+    def _at(self, t: float) -> State:
         i = min(int(t / STEP), len(self._s) - 2)
-        s = self._advance(i * STEP, self._s[i], t - i * STEP)
+        s = self._advance(i, t - i * STEP)
         a, v, _ = self.profile.at(t)
         d, d_rate, d_second = self._lateral(t)
         x, y, direction = self.road.pose(s)
         kappa = self.road.curvature(s)
-        s_rate = self._rate(t, s)
+        s_rate = self._rate(s, t, self._forward(t))
         # Velocity along and across the road, and their derivatives in the frame that turns with the road.
         along = math.sqrt(v * v - d_rate * d_rate)
         along_second = (v * a - d_rate * d_second) / along - d_rate * kappa * s_rate

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.scenarios.generate.candidates import Braking, Plan, driving, emergency, path_curvature
+from trackmarshal.scenarios.generate.candidates import (
+    Braking,
+    Plan,
+    Steps,
+    braked,
+    driving,
+    emergency,
+    path_curvature,
+)
 from trackmarshal.scenarios.generate.document import Item
 from trackmarshal.scenarios.generate.motion import Motion, Move, Profile
 from trackmarshal.scenarios.recording import CANDIDATES
@@ -36,6 +45,19 @@ class Mistake(NamedTuple):
         return self.begin - slack <= t <= self.end + slack
 
 
+class _Offer(NamedTuple):
+    """What the trajectories of the cycle at t are laid out by, however many samples are taken of them: a motion, from `begin` of its time on, the
+    speeds of their own where they are not its, and how they brake; `steps` once that is known."""
+
+    t: float
+    motion: Motion
+    begin: float
+    own: Profile | None
+    braking: Braking
+    kappa: Callable[[float], float]
+    steps: Steps | None = None
+
+
 class Planner:
     """Driving and emergency trajectories along a motion, with mistakes; `step` is how far apart the cycles are, s."""
 
@@ -48,6 +70,8 @@ class Planner:
         self._mistakes = mistakes
         self._step = step
         self._kappa = path_curvature(motion)
+        #: Of the last cycle that was asked for: a cycle is laid out twice, as it is told and finer.
+        self._offered: _Offer | None = None
 
     def mistake(self, t: float) -> Mistake | None:
         """The mistake that the planner makes in the cycle at t."""
@@ -55,22 +79,28 @@ class Planner:
 
     def plans(self, t: float, points: int, emergency_points: int) -> dict[str, Plan]:
         """Both candidates of the cycle at t; raises D152 for what cannot be laid out at all."""
-        braking = self._braking._replace(points=emergency_points)
+        if self._offered is None or self._offered.t != t:
+            self._offered = self._offer(t)
+        made = self._offered
+        braking = made.braking._replace(points=emergency_points)
+        drive = driving(made.motion, made.begin, points, self._horizon, made.own)
+        if made.steps is None:
+            made = self._offered = made._replace(steps=braked(made.motion, made.begin, braking, made.kappa))
+        stop = emergency(made.motion, made.begin, braking, made.kappa, made.steps)
+        return dict(zip(CANDIDATES, (drive, stop)))
+
+    def _offer(self, t: float) -> _Offer:
+        """What is offered in the cycle at t, with the mistake that is made in it."""
         mistake = self.mistake(t)
+        braking = self._braking
         if mistake is not None and mistake.deceleration is not None:
             braking = braking._replace(deceleration=mistake.deceleration)
         if mistake is None:
-            own, motion, begin, kappa = None, self._motion, t, self._kappa
-        elif mistake.moves is None:
-            own, motion, begin, kappa = self._profile(mistake, t), self._motion, t, self._kappa
-        else:
-            motion, begin, own = self._astray(mistake, mistake.moves, t), 0.0, None
-            kappa = path_curvature(motion)
-        plans = (
-            driving(motion, begin, points, self._horizon, own),
-            emergency(motion, begin, braking, kappa),
-        )
-        return dict(zip(CANDIDATES, plans))
+            return _Offer(t, self._motion, t, None, braking, self._kappa)
+        if mistake.moves is None:
+            return _Offer(t, self._motion, t, self._profile(mistake, t), braking, self._kappa)
+        motion = self._astray(mistake, mistake.moves, t)
+        return _Offer(t, motion, 0.0, None, braking, path_curvature(motion))
 
     def _profile(self, mistake: Mistake, t: float) -> Profile:
         """The speeds that are planned at t."""
