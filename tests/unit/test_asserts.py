@@ -29,10 +29,12 @@ def narrows(test: ast.expr) -> bool:
 
 
 def test_nothing_but_types_is_asserted() -> None:
+    texts = {path: path.read_text("utf-8") for path in FILES}
     found = [
         f"{path.relative_to(REPOSITORY)}:{node.lineno}"
-        for path in FILES
-        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        for path, text in texts.items()
+        if "assert" in text  # no statement is one without the word
+        for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.Assert) and not narrows(node.test)
     ]
     assert len(FILES) > 500

@@ -12,6 +12,7 @@ from random import Random
 
 import pytest
 
+from support.length import amount
 from trackmarshal.source import SourceFile
 from trackmarshal.syntax import grammar as grammar_module
 from trackmarshal.syntax import tables as module
@@ -68,7 +69,7 @@ def test_any_flipped_bit_is_noticed(fresh: Path) -> None:
     whole = SHIPPED.read_bytes()
     head = whole.index(b"\n") + 1
     random = Random(1)
-    for at in [*range(head), *(random.randrange(head, len(whole)) for _ in range(500))]:
+    for at in [*range(head), *(random.randrange(head, len(whole)) for _ in range(amount(100, 500)))]:
         damaged = bytearray(whole)
         damaged[at] ^= 1 << random.randrange(8)
         fresh.write_bytes(damaged)
