@@ -11,8 +11,9 @@ import pytest
 from hypothesis import settings
 
 from support.length import AT_LENGTH
-from support.once import compiled_once, generated_once
+from support.once import compiled_once, drawn_once, generated_once
 from trackmarshal.backends.c import build, report
+from trackmarshal.cli import drawing
 from trackmarshal.scenarios.generate import run as generating
 from trackmarshal.semantics.compile import _Compiler
 
@@ -24,6 +25,7 @@ if not AT_LENGTH:
     settings.load_profile("daily")  # of those that do not say how many they need
     _Compiler.run = compiled_once(_Compiler.run)  # type: ignore[method-assign]
     generating.run = generated_once(generating.run)
+    drawing.drawings = drawn_once(drawing.drawings)
 
 
 # Collecting imports thousands of objects that stay, and tests make thousands that their last reference ends: looking for circles among

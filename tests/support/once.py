@@ -1,17 +1,21 @@
 """Every day, modules that are the same are compiled once in each process, and declarations that are the same drive once: commands that tests
-run compile the shipped rules hundreds of times, each a tenth of a second, and generate the runs of some small projects as often.
+run compile the shipped rules hundreds of times, each a tenth of a second, and generate the runs of some small projects as often. Boundaries of rules
+are drawn once for copies of one project, too.
 
 `make acceptance` does so each time.
 """
 
 from __future__ import annotations
 
+import os
 import pickle
 from collections import OrderedDict
 from dataclasses import replace
 from functools import wraps
 from typing import Any
 
+from trackmarshal import cache
+from trackmarshal.cli import drawing
 from trackmarshal.semantics.compile import Compiled, _Compiler
 
 #: Fewer modules take less time than it takes to look after them; so many sets of modules are kept.
@@ -65,5 +69,28 @@ def generated_once(run: Any) -> Any:
                 kept.popitem(last=False)
         kept.move_to_end(key)
         return pickle.loads(found)
+
+    return again
+
+
+def drawn_once(run: Any) -> Any:
+    """`cli.drawing.drawings` for which a project of which nothing is kept begins with what was drawn from the same: under its hash it would be kept, too.
+
+    Where a test has a cache of its own, it may be about what is kept, and begins with nothing.
+    """
+    kept: dict[str, Any] = {}
+    place = os.environ.get("TRACKMARSHAL_CACHE")
+
+    @wraps(run)
+    def again(root: Any, facts: Any, sheets: Any, sources: Any) -> Any:
+        path = cache.of_project("drawings", root)
+        if path is not None and not path.exists() and os.environ.get("TRACKMARSHAL_CACHE") == place:
+            keys = drawing._keys(facts, sheets).values()
+            cache.keep(path, {key: kept[key] for key in keys if key in kept})
+        found = run(root, facts, sheets, sources)
+        kept.update(
+            (one["sha"], {key: part for key, part in one.items() if key != "sha"}) for one in found.values()
+        )
+        return found
 
     return again
