@@ -17,7 +17,7 @@ import yaml
 
 from golden.trace.cases import PROJECT
 from support.junit_schema import wrong
-from support.length import at_length
+from support.length import AT_LENGTH, at_length
 from support.project import run_command
 from support.shared import REPOSITORY
 from trackmarshal.cli.main import VERBS, _common
@@ -59,6 +59,13 @@ def break_a_test(repository: Path) -> None:
     )
     text = spec.read_text("utf-8")
     spec.write_text(text.replace("expect satisfied", "expect violated", 1), "utf-8")
+
+
+def only_what_is_said(repository: Path) -> None:
+    """Every day, a command of a step that writes a report does nothing but fail, as those do here."""
+    command = repository.parent / "bin" / "trackmarshal"
+    first, rest = command.read_text("utf-8").split("\n", 1)
+    command.write_text(f'{first}\ncase "$*" in *"--format github"*) ;; *) exit 2 ;; esac\n{rest}', "utf-8")
 
 
 def shell(repository: Path, script: str, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -177,6 +184,8 @@ def test_every_command_is_one(script: str, repository: Path) -> None:
 def test_a_step_of_the_action_says_why_it_fails(step: str, file: str, repository: Path) -> None:
     """A file that cannot be read ended the step at its first command, whose words are in a report; the log had none."""
     (repository / "cars/one" / file).write_bytes(b"\xff")
+    if not AT_LENGTH and step != "test":
+        only_what_is_said(repository)
     done = shell(repository, scripts()[f"action: {step}"], PROJECT="cars/one", REPORTS="reports")
     assert done.returncode != 0
     assert "is not UTF-8" in done.stdout + done.stderr

@@ -10,6 +10,7 @@ import pytest
 
 from support import field_logs
 from support.field_logs import Floats
+from support.length import shared_out
 from trackmarshal.scenarios.field import candidates, smoother
 from trackmarshal.scenarios.field.candidates import Braking
 from trackmarshal.scenarios.field.log import Log
@@ -42,7 +43,7 @@ def test_noise_is_found_from_the_log_alone(seed: int) -> None:
     assert YAW * 0.9 < noise.yaw_rate < YAW * 2.0
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", shared_out([1, 2, 3], 3))
 def test_gentle_bends_are_found_in_a_noisy_heading_alone(seed: int) -> None:
     """At 50 Hz without a yaw rate, 0.9 m/s^2 to either side, every 15 s: from sample to sample the heading turns by noise, and every bend was
     ironed out."""

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from support.agreement import compiled, differences, read, results, same
+from support.length import at_length
 from trackmarshal.backends.numpy import places
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
@@ -188,9 +189,18 @@ rule inside "on the track"
     assert skipped > 100
 
 
-@pytest.mark.parametrize("guard", ["whenever go", ""])
-@pytest.mark.parametrize("where", ["where abs(o.v) <= 1 m/s", ""])
-@pytest.mark.parametrize("beside", ["{}", "p.x > 9 m or {}", "{} or p.x > 9 m", "p.x < 99 m and {}"])
+#: What stands above a demand on footprints, and beside it: of any two of these, every day has each pair.
+GUARDS, WHERES = ("whenever go", ""), ("where abs(o.v) <= 1 m/s", "")
+BESIDES = ("{}", "p.x > 9 m or {}", "{} or p.x > 9 m", "p.x < 99 m and {}")
+COMBINED = [
+    (guard, where, beside) if (i + j + k) % 2 == 0 else at_length(guard, where, beside)
+    for i, guard in enumerate(GUARDS)
+    for j, where in enumerate(WHERES)
+    for k, beside in enumerate(BESIDES)
+]
+
+
+@pytest.mark.parametrize(("guard", "where", "beside"), COMBINED)
 def test_what_is_clear_of_others_is_worked_out_where_it_is_asked(guard: str, where: str, beside: str) -> None:
     """Where no guard above it holds, vehicles are not held against each other; whoever asks gets the true margins."""
     spec = compiled(
