@@ -86,6 +86,18 @@ def test_a_gap_is_an_undefined_sample(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+def test_a_gap_is_in_a_window_ahead_that_lies_within_it(backend: str) -> None:
+    """Nothing is known from 0.3 s to 0.6 s, and the windows, ahead of what was driven 0.4 s ago, are from 0.35 s to 0.38 s, and from 0.45 s to 0.48 s."""
+    rule = 'rule later "x"\n  along driven as c\n  require once[0.4 s, 0.4 s] (always[0.15 s, 0.18 s] c.v <= 20 m/s)\n'
+    rig = Rig(backend, SPEC.partition("rule")[0] + rule)
+    for _ in range(3):
+        rig.step(20.0)
+    rig.missed()
+    assert rig.step(20.0).faults
+    assert [_verdicts(rig.step(20.0))["driving"] for _ in range(2)] == [["undefined"]] * 2
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
 def test_of_no_cycle_there_is_no_gap_and_no_past(backend: str) -> None:
     rig = Rig(backend)
     rig.missed()
