@@ -298,3 +298,27 @@ def test_of_one_body_inside_nothing_follows_for_the_next_one(first: float) -> No
         found = Evaluator(spec, None, backend).case({"signals": {"objects": objects, "track": track}})
         # The far corners are at 501 m, the border at 10 m.
         assert (found.rules["f"].verdict, found.rules["f"].margin) == ("violated", -491.0)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi / 2, math.pi, 2.0])
+def test_a_tooth_of_the_border_through_a_body_is_as_deep_in_it_as_its_middle(turn: float) -> None:
+    """No corner of the body is outside, and no vertex of the border is in the body."""
+    spec = loads(
+        "module m\nsignal ego : state { x: m, y: m, heading: rad }\nsignal track : corridor { left: polyline, right: polyline }\n"
+        'rule f "x"\n  require footprint(ego, 4 m, 2 m) inside track\n'
+    )
+
+    def turned(*points: complex) -> Points:
+        at = [point * complex(math.cos(turn), math.sin(turn)) for point in points]
+        return [[point.real, point.imag] for point in at]
+
+    track = {
+        "left": turned(-50 + 10j, -0.1 + 10j, -5j, 0.1 + 10j, 50 + 10j),
+        "right": turned(-50 - 10j, 50 - 10j),
+    }
+    for backend in ("reference", "numpy", "c"):
+        for heading in (turn, turn + math.pi):
+            signals = {"ego": {"x": 0.0, "y": 0.0, "heading": heading}, "track": track}
+            found = Evaluator(spec, None, backend).case({"signals": signals}).rules["f"]
+            assert found.verdict == "violated"
+            assert found.margin == pytest.approx(-1.0)

@@ -1,5 +1,6 @@
 /* Random ways from pose to pose and points beside them: says how many points were asked for, how many are nearer to the curve than its
-   straight hull and the shortcut's reach allow, and the greatest part of the reach that one took. */
+   straight hull and the shortcut's reach allow, and the greatest part of the reach that one took. Of boxes anywhere around any ways: how many were
+   said to be apart at first sight, and how many of them are nearer than that. */
 #include "supervisor.c"
 
 #include <math.h>
@@ -25,6 +26,31 @@ static double away(const tm_curve *curve, size_t j, double length, double width,
   tm_sweep_piece(curve, j, length, width, TM_INF, &sweep);
   tm_sweep_hull(&sweep);
   return (tm_depth(&sweep.hull, x - sweep.ox, y - sweep.oy) > 0.0) ? 0.0 : tm_hull_distance(&sweep.hull, x - sweep.ox, y - sweep.oy);
+}
+
+/* Whether a box is nearer to a way than is said of it at first sight; `told`: how often that is anything. */
+static bool nearer_than_said(long *told) {
+  const double length = between(1.0, 8.0);
+  const double width = between(0.5, 3.0);
+  const double box_length = between(0.5, 8.0);
+  const double box_width = between(0.5, 3.0);
+  const double way = fabs(sized(0.01, 12.0));
+  const double chord = between(-3.0, 3.0);
+  const double heading0 = chord + sized(1e-5, 3.0);
+  const double heading1 = chord + sized(1e-5, 3.0);
+  const double kappa0 = sized(1e-5, 0.5);
+  const double kappa1 = sized(1e-5, 0.5);
+  const double x1 = way * cos(chord);
+  const double y1 = way * sin(chord);
+  const double from = between(0.0, 1.0) * way;
+  const double aside = sized(0.5, 60.0);
+  const double box_x = (from * cos(chord)) - (aside * sin(chord));
+  const double box_y = (from * sin(chord)) + (aside * cos(chord));
+  const double far = tm_curve_far(x1, y1, box_x, box_y, length + width, box_length + box_width, kappa0, kappa1);
+  const double exact = tm_curved_clear(0.0, 0.0, heading0, x1, y1, heading1, length, width, box_x, box_y, between(-3.0, 3.0), box_length,
+                                       box_width, kappa0, kappa1, TM_INF);
+  *told += (far > 0.0) ? 1 : 0;
+  return (far > 0.0) && (exact < far);
 }
 
 int main(int count, char **words) {
@@ -74,6 +100,11 @@ int main(int count, char **words) {
       }
     }
   }
-  (void)printf("%ld %ld %.17g\n", asked, below, most);
+  long told = 0;
+  long nearer = 0;
+  for (long k = 0; k < (ways / 4); ++k) {
+    nearer += nearer_than_said(&told) ? 1 : 0;
+  }
+  (void)printf("%ld %ld %.17g %ld %ld\n", asked, below, most, told, nearer);
   return 0;
 }

@@ -1,4 +1,4 @@
-"""How far the shortcut of generated C takes a curve to reach: never less than the margin of the curve asks for, and hardly more."""
+"""How far the shortcuts of generated C take a curve to reach: never less than the margin of the curve asks for, and hardly more; and how far away they take a box to be."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ SOURCE = Path(__file__).with_name("curve_reach.c")
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_no_margin_of_a_curve_is_below_what_its_straight_hull_leaves(tmp_path: Path) -> None:
     spec = load([SUPERVISOR])
-    made = generate(spec, [rule for rule in spec.rules if rule.name == "static_collision"])
+    made = generate(
+        spec, [rule for rule in spec.rules if rule.name in ("static_collision", "obstacle_collision")]
+    )
     (tmp_path / "supervisor.h").write_text(made.header, encoding="utf-8")
     (tmp_path / "supervisor.c").write_text(made.source, encoding="utf-8")
     command = compiler()
@@ -30,3 +32,6 @@ def test_no_margin_of_a_curve_is_below_what_its_straight_hull_leaves(tmp_path: P
     assert asked > 300_000
     assert below == 0
     assert 0.99 < most <= 1.0
+    told, nearer = map(int, said[3:])
+    assert told > 5_000
+    assert nearer == 0
