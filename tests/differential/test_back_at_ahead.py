@@ -90,3 +90,24 @@ def test_who_takes_the_place_of_another_has_nothing_of_its_past(
         found |= {one.cycle: one.verdict for one in run.step(read).rules["f"].about if one.final}
     said = "".join({"satisfied": "+", "violated": "-"}[found[k]] for k in range(7))
     assert said == expected
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+@pytest.mark.parametrize(
+    ("window", "unknown"),
+    [("[0 s, 1 s]", {1}), ("[3 s, 4 s]", set()), ("[2 s, 4 s]", {0}), ("[2 s, 2 s]", {0})],
+)
+def test_a_cycle_that_was_missed_is_in_the_windows_that_hold_more_than_its_neighbours(
+    backend: str, window: str, unknown: set[int]
+) -> None:
+    """It would have come between 1 s and 3 s: not at 1 s, where the first window of all ends, nor at 3 s, where the second one begins."""
+    text = f'module m\nsignal s : state {{ x: 1 }}\nrule f "x"\n  require always{window} s.x > 0\n'
+    evaluator = Evaluator(loads(text), backend=backend)
+    run, found = evaluator.over_run(), dict[object, str]()
+    for t in (0, 1, 3, 4, 5, 6, 7, 8):
+        if t == 3:
+            run.missed()
+        about = run.step(evaluator.read({"id": t, "t": t, "signals": {"s": {"x": 1}}})).rules["f"].about
+        found |= {one.cycle: one.verdict for one in about if one.final}
+    expected = {t: "undefined" if t in unknown else "satisfied" for t in (0, 1, 3, 4)}
+    assert {t: found[t] for t in expected} == expected

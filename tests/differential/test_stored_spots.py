@@ -92,6 +92,7 @@ def test_a_stored_trajectory_is_driven_where_the_car_is_on_it() -> None:
 #: the car there; why it may not be driven any more. All numbers are whole multiples of powers of two: what is equal is equal.
 SPOTS = {
     "a sample is due at the moment": ([0, 0.5, 1, 2], [0, 4, 6, 8], [8, 6, 2, 0], 0, 0.5, 4, 6, ""),
+    "it begins at the moment, and the car is elsewhere": ([0.5, 1, 2], [4, 6, 8], [6, 4, 0], 0, 0.5, 20, 0, "apart"),
     "it ends at the moment": ([0, 0.5, 1], [0, 4, 6], [8, 6, 0], 0, 1, 6, 0, ""),
     "it has ended": ([0, 0.5, 1], [0, 4, 6], [8, 6, 0], 0, 1.25, 6, 0, "expired"),
     "it stands": ([0, 0.5, 1, 2], [0, 0, 0, 0], [0, 0, 0, 0], 0, 0.5, 0, 0, ""),
