@@ -114,3 +114,17 @@ def test_no_sample_of_many_is_left_out() -> None:
             assert one.margin == pytest.approx(wanted.margin, rel=0.0, abs=1e-9, nan_ok=True), found.id
             seen[one.verdict] += 1
     assert min(seen["satisfied"], seen["violated"]) > 50, seen
+
+
+@pytest.mark.parametrize("steps", [[0.5] * 120, [2.5] * 24, [20.0] * 3])
+def test_a_car_that_leaves_the_road_is_as_far_out_as_in_the_end(steps: list[float]) -> None:
+    """Straight over the border, to where no border is near any more: nothing that is near is not nothing that is wrong. Its front ends 62 m north, the
+    road 10 m."""
+    y = [0.0, *accumulate(steps)]
+    columns = {"x": [0.0] * len(y), "y": y, "heading": [math.pi / 2] * len(y), "kappa": [0.0] * len(y)}
+    road = {"left": [[-200.0, 10.0], [200.0, 10.0]], "right": [[-200.0, -10.0], [200.0, -10.0]]}
+    signals = {"plan": {"t": [0.1 * k for k in range(len(y))], **columns}, "track": road}
+    for made in evaluators().values():
+        for one in made.case({"signals": signals}).rules.values():
+            assert one.verdict == "violated"
+            assert one.margin == pytest.approx(-52.0)
