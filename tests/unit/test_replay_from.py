@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import trackmarshal as tm
-from support.length import amount, at_length, shared_out
+from support.length import AT_LENGTH, amount, at_length, shared_out
 from support.pairs import generated
 from support.remembering import NAMES, remembering, sources
 from support.supervised import ROOT
@@ -232,11 +232,13 @@ def test_other_values_or_rules_take_no_snapshot(backend: str, tmp_path: Path) ->
         run.identity, Limits(overspeed=1e3, budget=1e9, apart=9.0), run.cycles, True, 0, 0, run.snapshots
     )
     assert nearest(wider, box_of(wider, spec), 39)[0] is None
-    for old, new in (
+    others = (
         ("last: 1.5 s", "last: 1.6 s"),
         ("starts clear", "starts caution"),
         ("o.x - ego.x > 25 m", "o.x - ego.x > 26 m"),
-    ):
+    )
+    # What a snapshot is of is asked of the spec: every day, a compiler works on one of them.
+    for old, new in others[:1] if backend == "c" and not AT_LENGTH else others:
         assert old in RULES
         assert nearest(run, box_of(run, loads(RULES.replace(old, new))), 39)[0] is None
 

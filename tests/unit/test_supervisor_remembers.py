@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import Any
 
 import pytest
 
-from support.length import amount, shared_out
+from support.length import amount, at_length, shared_out
 from trackmarshal.backends.c import step
 from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.supervisor import CSupervisor
@@ -28,6 +29,16 @@ event flag
 """
 PYTHON = ("reference", "numpy")
 BACKENDS = (*PYTHON, "c")
+
+
+def paired_in_c(ones: Sequence[str], others: Sequence[str]) -> list[Any]:
+    """All of two kinds with each other; every day in C, where a compiler is asked for each, every second: each of both kinds."""
+    return [
+        at_length(one, other, backend) if backend == "c" and (i + j) % 2 else (one, other, backend)
+        for i, one in enumerate(ones)
+        for j, other in enumerate(others)
+        for backend in BACKENDS
+    ]
 
 
 class Rig:
@@ -160,11 +171,13 @@ def test_cycles_that_were_seen_to_be_missing_are_counted_once(backend: str) -> N
     assert {one.rule for one in rig.step().violations} == {"fewer"}
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize(
-    "clause", ["exists o in objects", "for all o in objects", "for nearest o in objects by o.x"]
+    ("require", "clause", "backend"),
+    paired_in_c(
+        ("next not flag", "o.x > 3 m or next not flag"),
+        ("exists o in objects", "for all o in objects", "for nearest o in objects by o.x"),
+    ),
 )
-@pytest.mark.parametrize("require", ["next not flag", "o.x > 3 m or next not flag"])
 def test_who_was_there_is_known_again_where_it_is_decided_later(
     require: str, clause: str, backend: str
 ) -> None:
@@ -281,9 +294,7 @@ def test_rules_are_told_in_which_cycles_something_was_driven(backend: str) -> No
     assert decision.state == "previous_emergency"
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("name", ["driven", "emergency"])
-@pytest.mark.parametrize("kind", ["record", "set"])
+@pytest.mark.parametrize(("name", "kind", "backend"), paired_in_c(("driven", "emergency"), ("record", "set")))
 def test_a_signal_may_be_called_as_a_candidate_or_what_is_told(kind: str, name: str, backend: str) -> None:
     """A program in C was not compiled, which told the signal; of a set, ids of the candidate were looked for, and missing."""
     if kind == "set":
