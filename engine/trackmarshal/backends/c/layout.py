@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import assert_never
 
@@ -63,6 +63,11 @@ class Layout:
     future: Future = field(default_factory=Future)
     #: What was driven and what is planned, where rules live along both.
     courses: dict[str, Course] = field(default_factory=dict)
+    #: The pairs of elements of which something is remembered, by the signals of both; and those of which the last cycles are kept.
+    pairs: dict[tuple[str, ...], Pairs] = field(default_factory=dict, init=False)
+    pairs_ahead: dict[tuple[str, ...], Pairs] = field(default_factory=dict, init=False)
+    _pairs: dict[tuple[str, ...], Pairs] = field(default_factory=dict, init=False)
+    _known_again: set[str] = field(default_factory=set, init=False)
 
     def __post_init__(self) -> None:
         self._same = Same(self.facts)
@@ -90,6 +95,10 @@ class Layout:
         """Give all operators over the run their memory; raises TrackmarshalError E470 for what C cannot remember."""
         self.kept = cells_of(self.rules, self._same.formula)
         self.future = future_of(self.rules, self._same.formula)
+        about = [each.axes for each in self.kept.values()]
+        self._known_again = {axis.signal for axes in about for axis in axes} | set(self.future.sets)
+        self._pairs = pairs_of([*about, *self.future.pairs])
+        self.pairs, self.pairs_ahead = self._pairs_of(about), self._pairs_of(self.future.pairs)
         asked = {name for rule in self.rules for root in rule.roots for name in known_again(root)}
         unasked = self._known_again - asked
         if unasked:  # a program would read ids that are not there
@@ -125,10 +134,6 @@ class Layout:
         """The sets whose elements are known again in other cycles."""
         return [item for item in self.inputs.values() if item.name in self._known_again]
 
-    @property
-    def _known_again(self) -> set[str]:
-        return {axis.signal for each in self.kept.values() for axis in each.axes} | set(self.future.sets)
-
     def input_names(self, used: Sequence[str], stamped: bool) -> dict[str, str]:
         """Signals and events to members of the input, which has the stamp beside them where it is `stamped`. What is remembered of a set whose
         elements are known again is called as the set is, and stands beside memories."""
@@ -141,21 +146,10 @@ class Layout:
                 names |= distinct([name], memories | others)
         return names
 
-    @property
-    def pairs(self) -> dict[tuple[str, ...], Pairs]:
-        """The pairs of elements of which something is remembered, by the signals of both."""
-        kept = {tuple(axis.signal for axis in each.axes) for each in self.kept.values()}
+    def _pairs_of(self, about: Iterable[tuple[ir.Axis, ...]]) -> dict[tuple[str, ...], Pairs]:
+        """Those that some operators are about."""
+        kept = {tuple(axis.signal for axis in axes) for axes in about}
         return {signals: pair for signals, pair in self._pairs.items() if signals in kept}
-
-    @property
-    def pairs_ahead(self) -> dict[tuple[str, ...], Pairs]:
-        """Those of which the last cycles are kept."""
-        kept = {tuple(axis.signal for axis in axes) for axes in self.future.pairs}
-        return {signals: pair for signals, pair in self._pairs.items() if signals in kept}
-
-    @property
-    def _pairs(self) -> dict[tuple[str, ...], Pairs]:
-        return pairs_of([*(each.axes for each in self.kept.values()), *self.future.pairs])
 
     def places_of(self, axes: tuple[ir.Axis, ...]) -> str:
         """What has the places in memories of the elements of a set, or of pairs, as C calls it; nothing of the run."""
