@@ -69,6 +69,7 @@ def test_shipped_limits(rule: str, number: str, wanted: list[str]) -> None:
     assert said(rule, number) == wanted
 
 
+@pytest.mark.acceptance  # every day, docs/show.md has both solutions, word for word (test_show.py)
 def test_the_friction_circle_solved_for_speed() -> None:
     """Without drag the limit of the paper, ((mu g)^2 - a^2)^(1/4) / sqrt(|kappa|); with drag where braking at rest is possible at all."""
     whole, simple = said("friction", "v")
