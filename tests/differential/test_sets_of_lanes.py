@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon
 from shapely.affinity import rotate, translate
 
-from support.agreement import one_libm
+from support.agreement import one_libm, outcomes, said_of
 from support.length import amount
 from trackmarshal.evaluation import Evaluator, loads
 
@@ -87,11 +87,11 @@ def results(cases: list[dict[str, Any]]) -> list[dict[str, tuple[str, float]]]:
     for evaluator in evaluators():
         frames = evaluator.read_all([{"signals": case} for case in cases])
         with one_libm():
-            together = [result.rules for result in evaluator.evaluate(frames)]
-            apart = [evaluator.case({"signals": case}).rules for case in cases]
+            together = outcomes(evaluator, frames)
+            apart = [said_of(evaluator, {"signals": case}) for case in cases]
         for made in (together, apart):
             found.append(
-                [{name: (rule.verdict, rule.margin.hex()) for name, rule in one.items()} for one in made]
+                [{name: (verdict, margin.hex()) for name, (verdict, margin) in one.items()} for one in made]
             )
     assert all(each == found[0] for each in found), found
     return [

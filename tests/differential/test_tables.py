@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from property.strategies.specs import repeatable
+from support.agreement import said_of
 from support.length import amount
 from trackmarshal.evaluation import Evaluator, loads
 
@@ -76,15 +77,16 @@ rule two "two"
 """
     spec = loads(text)
     cases = [{"signals": {"ego": {"x": x, "y": y}}} for x, y in points]
+    evaluators = {backend: Evaluator(spec, backend=backend) for backend in ("reference", "numpy", "c")}
     found = {
         backend: [
             {
-                name: (rule.verdict, struct.pack("<d", rule.margin))
-                for name, rule in Evaluator(spec, backend=backend).case(case).rules.items()
+                name: (verdict, struct.pack("<d", margin))
+                for name, (verdict, margin) in said_of(one, case).items()
             }
             for case in cases
         ]
-        for backend in ("reference", "numpy", "c")
+        for backend, one in evaluators.items()
     }
     assert found["reference"] == found["numpy"] == found["c"]
     for (x, y), said in zip(points, found["reference"]):

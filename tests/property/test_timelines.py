@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import trackmarshal as tm
+from support.agreement import said_of
 from support.length import amount
 
 #: ms: nothing is lost where times are multiples of these.
@@ -47,8 +48,8 @@ def evaluator(request: pytest.FixtureRequest) -> tm.Evaluator:
 def inside(evaluator: tm.Evaluator, t: list[float], here: int, there: int) -> dict[str, bool]:
     signals = {"plan": {"t": t, "n": list(range(len(t)))}, "asked": {"here": here, "there": there}}
     return {
-        name: found.verdict == "satisfied"
-        for name, found in evaluator.case({"signals": signals}).rules.items()
+        name: verdict == "satisfied"
+        for name, (verdict, _) in said_of(evaluator, {"signals": signals}).items()
     }
 
 

@@ -103,6 +103,13 @@ def outcomes(program: Program | Evaluator, frames: Sequence[Frame]) -> list[dict
     ]
 
 
+def said_of(evaluator: Evaluator, raw: object) -> dict[str, tuple[str, float]]:
+    """The same on one case from plain data, by itself."""
+    with evaluator.alone:
+        (found,) = outcomes(evaluator, [evaluator.read(raw)])
+    return found
+
+
 def unsafe(evaluator: Evaluator, frames: Sequence[Frame]) -> list[set[str]]:
     """The rules that make each case unsafe. What decided is not looked for, which takes as long as all the rest."""
     judged = (
