@@ -152,17 +152,8 @@ class Border:
             k = self.run_segments.take(block, axis=1)
         distance = self.distance(x.take(point), y.take(point), k)
         best = _least_of(point, distance, x.size)
-        is_best = distance == best.take(point)
-        row, pair = true_in(is_best)
-        if pair.size > best.size:  # of equally near ones the first
-            pair, row = true_in(is_best.T)
-            first = starts_of(point.take(pair))
-            pair, row = pair.take(first), row.take(first)
-        if pair.size != best.size:
-            raise AssertionError("each point has one nearest segment")
-        nearest = np.empty(best.size, dtype=np.intp)
-        nearest[point.take(pair)] = k[row, pair]
-        return nearest, best
+        nearest = np.where(distance == best.take(point), k, self.size)  # of equally near ones the first
+        return np.minimum.reduceat(np.minimum.reduce(nearest, axis=0), starts_of(point)), best
 
     def _near_blocks(self, x: Floats, y: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
         """Points and blocks in pairs, where a block may have a segment at most `reach` farther than the nearest one."""

@@ -52,7 +52,7 @@ class Polyline:
             return nan, nan.copy(), nan.copy()
         border = self._border
         k, distance = border.nearest(px, py)
-        ax, ay, _, _, ex, ey, square, length = border.segments.take(k, axis=1)
+        ax, ay, ex, ey, square, length = border.table.take(k, axis=1)
         rx, ry = px - ax, py - ay
         product = ex * rx + ey * ry
         advance, offset = product / length, (ex * ry - ey * rx) / length
