@@ -192,7 +192,7 @@ def unbound(root: ir.Formula | ir.Num) -> tuple[ir.AnyNode, ...]:
         if (part, bound) in seen or isinstance(part, ir.Machine):
             continue
         seen.add((part, bound))
-        if bound.isdisjoint(sets(part)):
+        if not bound or bound.isdisjoint(sets(part)):
             found[part] = None
         axis, within, beside = _scope(part)
         stack += [(each, bound if axis is None else bound | {axis}) for each in within]

@@ -187,7 +187,8 @@ def _whole(replay: Replay, candidate: str, number: int, rule: RuleInfo, cycle: i
 
 
 def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[str]]:
-    """The units of a rule's margins, and those in which the limits are written that decided; of several of these, two are enough."""
+    """The units of a rule's margins, and those in which the limits are written that decided; of several of either, two are enough: then no single one is
+    said, and of margins in several units none of a limit."""
     own = own_unit(rule.unit)
     written = _written(rule.formula)
     units = {rule.unit} if own and any(cycle.results for cycle in replay.cycles) else set()
@@ -209,7 +210,7 @@ def _units(number: int, rule: RuleInfo, replay: Replay) -> tuple[set[str], set[s
             units.add(result.unit)
             if result.witness is not None:
                 shown.add(result.shown)
-            if own and len(shown) >= min(2, len(written)):
+            if len(units) > 1 or (own and len(shown) >= min(2, len(written))):
                 return units, shown
     return units, shown
 
