@@ -22,7 +22,7 @@ from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generated
 from trackmarshal.backends.reference.evaluator import Reference
-from trackmarshal.backends.reference.functions import Env, Functions, Value
+from trackmarshal.backends.reference.functions import Env, Functions, Number, Value
 from trackmarshal.backends.reference.geometry import curvilinear
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.ir import nodes as ir
@@ -238,11 +238,20 @@ def test_a_point_on_an_axis_is_looked_for_along_a_line_once(monkeypatch: pytest.
 
 
 class Counted(Functions):
-    """How often each formula is worked out."""
+    """How often each formula and each number is worked out."""
 
     def __init__(self, often: bool = False) -> None:
         super().__init__(often)
-        self.made: Counter[ir.Formula] = Counter()
+        self.made: Counter[ir.Formula | ir.Num] = Counter()
+
+    def _number(self, node: ir.Num) -> Number:
+        of = super()._number(node)
+
+        def counted(case: Reference, env: Env) -> float:
+            self.made[node] += 1
+            return of(case, env)
+
+        return counted
 
     def _truth(self, node: ir.Formula) -> Value:
         of = super()._truth(node)
@@ -269,6 +278,9 @@ def test_a_formula_is_worked_out_once_for_what_its_own_variables_stand_for(often
     compared = sorted(times for node, times in functions.made.items() if isinstance(node, ir.Compare))
     # Whether an element is in range depends on no sample: of 3 x 4 pairs, 4 are asked about; 3 elements are in range of 3 samples.
     assert compared == [4, 9]
+    # How far an object is from the vehicle depends on no sample either.
+    measured = sorted(times for node, times in functions.made.items() if isinstance(node, ir.Func))
+    assert measured == [3, 9]
 
 
 def test_formulas_that_follow_no_curve_are_not_gone_through_for_data_without_curvatures(
