@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,16 +28,15 @@ def cache_folder() -> Path | None:
 
 def replace(path: Path, content: bytes) -> bool:
     """Write a file aside and move it: a parallel reader sees all of it or nothing. False where it cannot be written."""
+    # A name that nobody else has, as of tempfile, which takes longer to import than a tree to be written.
+    aside = path.with_name(f"{os.urandom(16).hex()}.tmp")
     try:
-        descriptor, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    except OSError:
-        return False
-    try:
-        with os.fdopen(descriptor, "wb") as stream:
+        with open(aside, "xb", opener=partial(os.open, mode=0o600)) as stream:
             stream.write(content)
-        os.replace(name, path)
+        os.replace(aside, path)
     except OSError:
-        Path(name).unlink(missing_ok=True)
+        with suppress(OSError):
+            aside.unlink()
         return False
     return True
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Any, ClassVar
 
 from trackmarshal.errors import TrackmarshalError
@@ -83,6 +82,8 @@ def close_matches(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     if found:
         listed = " or ".join(f"`{name}`" for name in found)
         return f"did you mean {listed}? Capital and small letters differ"
+    from difflib import get_close_matches  # which nobody else waits for
+
     found = get_close_matches(
         word, [name for name in names if _of_like_length(word, name)], n=3, cutoff=cutoff
     )

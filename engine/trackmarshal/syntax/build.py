@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic, close_matches
@@ -47,6 +48,15 @@ def plain(text: str) -> str:
 def plain_unit(text: str) -> str:
     """A unit with ASCII exponents and products."""
     return str(text).replace("²", "^2").replace("³", "^3").replace("·", "*")
+
+
+@lru_cache(maxsize=10_000)
+def _number_and_unit(text: str) -> tuple[str, str]:
+    """A quantity's parts: the data of tests have the same ones again and again."""
+    number = _NUMBER.match(text)
+    if number is None:
+        raise AssertionError(f"a quantity without a number: {text}")
+    return number.group(), plain_unit(text[number.end() :].strip())
 
 
 def is_unit(text: str) -> bool:
@@ -410,10 +420,7 @@ class Builder:
         text = str(c[0])
         if c[0].type == "NUMBER":
             return ast.Number(text, "", self._span(meta))
-        number = _NUMBER.match(text)
-        if number is None:
-            raise AssertionError(f"a quantity without a number: {text}")
-        return ast.Number(number.group(), plain_unit(text[number.end() :].strip()), self._span(meta))
+        return ast.Number(*_number_and_unit(text), self._span(meta))
 
     def name(self, meta: Meta, c: list[Any]) -> ast.Name:
         return self._name(c[0])

@@ -18,8 +18,9 @@ _START = re.compile(
     rf'|(?!(?:{"|".join(sorted(RESERVED))})\b)(?P<word>[A-Za-z_][A-Za-z0-9_]*)[ \t]+["A-Za-z_])',
     re.MULTILINE,
 )
-# A comment without a blank behind a number, a name or a bracket, and before one.
-_MINUSES = re.compile(r"(?<=[\w)\]}%²³])--(?=[\w.(])")
+# A comment without a blank behind a number, a name or a bracket, and before one. It begins with what is looked for, so that a text without it is
+# passed over at once, and not tried at every letter.
+_MINUSES = re.compile(r"--(?<=[\w)\]}%²³]--)(?=[\w.(])")
 _BLANK = re.compile(r"(?:[ \t\n]+|--[^\n]*)*")
 
 # The signs and the words that tell the two styles of writing apart; each has a counterpart in the other style. Most files have letters alone,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import NamedTuple
 
 #: From worst to mildest; errors fail the gate.
@@ -81,5 +80,7 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
         len(names) > 2_000
     ):  # close matches cost time in proportion; among very many names only near-equal ones help
         names = [name for name in names if name[:1] == word[:1] and abs(len(name) - len(word)) <= 2][:2_000]
+    from difflib import get_close_matches  # which nobody else waits for
+
     close = get_close_matches(word, names, n=2, cutoff=0.6)
     return "did you mean " + " or ".join(f"`{name}`" for name in close) + "?" if close else ""
