@@ -98,6 +98,11 @@ SPOTS = {
     "it stands": ([0, 0.5, 1, 2], [0, 0, 0, 0], [0, 0, 0, 0], 0, 0.5, 0, 0, ""),
     "it stands, and the car is beside it": ([0, 0.5, 1, 2], [0, 0, 0, 0], [0, 0, 0, 0], 0, 0.5, 8, 0, "apart"),
     "it comes back: the first of equally near places": ([0, 0.5, 1, 2], [0, 2, 0, -2], [6, 0, -6, 0], 0, 0.25, 1, 5, ""),
+    "it leads backwards, and the car goes as much faster as it may": ([0, 0.5, 1, 2], [0, -4, -6, -8], [-8, -6, -2, 0], 0, 0.5, -4, -11, ""),
+    "it leads backwards, and the car goes faster": ([0, 0.5, 1, 2], [0, -4, -6, -8], [-8, -6, -2, 0], 0, 0.5, -4, -11.5, "too_fast"),
+    "it leads backwards, and the car stands": ([0, 0.5, 1, 2], [0, -4, -6, -8], [-8, -6, -2, 0], 0, 0.5, -4, 0, ""),
+    "it leads backwards, and the car goes forwards": ([0, 0.5, 1, 2], [0, -4, -6, -8], [-8, -6, -2, 0], 0, 0.5, -4, 5.5, "too_fast"),
+    "it leads forwards, and the car goes backwards": ([0, 0.5, 1, 2], [0, 4, 6, 8], [8, 6, 2, 0], 0, 0.5, 4, -5.5, "too_fast"),
     "its last samples are due at once": ([0, 0.5, 0.5 + 2**-27], [0, 4, 4], [8, 0, 0], 2**31, 2**31 + 0.5, 4, 0, ""),
 }  # fmt: skip
 

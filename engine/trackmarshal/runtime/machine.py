@@ -75,11 +75,12 @@ def examine(
     spot = None
     if pose is not None and due is not None:
         spot = stored.nearest(pose.x, pose.y, due - limits.apart, due + limits.apart)
-    given = {"now": now, "end": stored.end, "posed": 0, "paced": 0, "away": 0.0, "turn": 0.0, "gain": 0.0}
+    given = {"now": now, "end": stored.end, "posed": 0, "paced": 0, "away": 0.0, "turn": 0.0}
+    given |= {"speed": 0.0, "planned": 0.0}
     if pose is not None and spot is not None:
         given |= {"posed": 1, "away": spot.away, "turn": pose.heading - spot.heading}
         if pose.v is not None:
-            given |= {"paced": 1, "gain": pose.v - spot.v}
+            given |= {"paced": 1, "speed": pose.v, "planned": spot.v}
         confirmed = max(confirmed, pose.t)
     given["confirmed"] = confirmed
     for demand in STORED:

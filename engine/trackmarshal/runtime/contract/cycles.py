@@ -83,7 +83,7 @@ START = (
 #: Of the speed at the end of the emergency trajectory, `last` [m/s].
 END = (_demand("not_at_rest", "v", "fabs(last) <= rest_speed"),)
 #: Of a stored trajectory that may be driven now: `end`, when its last sample is due; where the car was seen (`posed` 1), how far from
-#: its path (`away` [m]), how much turned (`turn` [rad]) and, where its speed is known (`paced` 1), how much faster (`gain` [m/s]) it was;
+#: its path (`away` [m]), how much turned (`turn` [rad]) and, where its speed is known (`paced` 1), how fast it was and is to be there (`speed`, `planned` [m/s]);
 #: `confirmed`, when it was last seen on the trajectory. A chain.
 STORED = (
     _demand("expired", "", "(now <= end) | (now != now)"),
@@ -92,6 +92,12 @@ STORED = (
         "",
         f"(posed == 0) | ((away <= beside) & (fabs(remainder(turn, {6.283185307179586!r})) <= turned))",
     ),
-    _demand("too_fast", "", "(posed == 0) | (paced == 0) | (gain <= overspeed)"),
+    # Speeds are negative backwards: faster is further from rest than planned, or any way against the direction that is planned.
+    _demand(
+        "too_fast",
+        "",
+        "(posed == 0) | (paced == 0) | (fabs(speed) <= overspeed)"
+        " | ((speed > 0) & ((speed - planned) <= overspeed)) | ((speed < 0) & ((planned - speed) <= overspeed))",
+    ),
     _demand("unconfirmed", "", "(now - confirmed) <= blind"),
 )

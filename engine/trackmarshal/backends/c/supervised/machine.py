@@ -125,9 +125,10 @@ def _examine(given: Supervised) -> Iterator[str]:
     yield "  }"
     yield "  const double away = at.away;"
     yield "  const double turn = look->car.heading - at.heading;"
-    yield "  const double gain = look->car.v - at.v;"
+    yield "  const double speed = look->car.v;"
+    yield "  const double planned = at.v;"
     yield "  const double seen = ((posed != 0) && (look->car_t > s->confirmed)) ? look->car_t : s->confirmed;"
-    names = {name: name for name in ("now", "end", "posed", "paced", "away", "turn", "gain")} | {
+    names = {name: name for name in ("now", "end", "posed", "paced", "away", "turn", "speed", "planned")} | {
         "confirmed": "seen", **{name: f"c->limits.{name}" for name in LIMITS}
     }  # fmt: skip
     for place, demand in enumerate(STORED):
