@@ -12,6 +12,7 @@ import pytest
 
 import trackmarshal as tm
 from support.shared import shared
+from trackmarshal.errors import TrackmarshalError
 
 RADIUS = 16.0
 
@@ -86,6 +87,24 @@ def test_what_reverses_points_against_its_travel(turn: float) -> None:
     # a speed about 0 at the end turns nothing
     noisy = tm.complete({"x": x, "y": y, "v": [2.0] * 8 + [-1e-3]})
     assert np.cos(noisy["heading"][0]) == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("first", [1.0, -1.0])
+@pytest.mark.parametrize("given", [[], ["heading"], ["kappa"]], ids=lambda names: "_".join(names) or "none")
+def test_of_what_is_driven_both_ways_nobody_knows_where_it_points(given: list[str], first: float) -> None:
+    """Out of a bay and on: the car points to +x all the while, and the path turned round with it."""
+    v = [first * speed for speed in (1.0, 1.0, 0.0, -1.0, -1.0)]
+    driven = {"x": [0.0, first, 2 * first, first, 0.0], "y": [0.0] * 5, "v": v}
+    with pytest.raises(TrackmarshalError, match="drives ahead and backwards") as caught:
+        tm.complete({**driven, **{name: [0.0] * 5 for name in given}})
+    assert caught.value.code == "D192"
+    assert tm.complete({**driven, "heading": [0.0] * 5, "kappa": [0.0] * 5})["t"][-1] > 0.0
+
+
+def test_a_speed_just_below_rest_turns_nothing_round() -> None:
+    """As a planner's last sample may have it: the path leads on."""
+    made = tm.complete({"x": [0.0, 2.0, 3.0, 3.1], "y": [0.0] * 4, "v": [3.0, 2.0, 0.5, -0.001]})
+    assert made["heading"].tolist() == [0.0] * 4
 
 
 def test_standing_samples_point_where_the_path_does() -> None:

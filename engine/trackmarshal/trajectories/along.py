@@ -90,8 +90,15 @@ def curvature_along(x: list[float], y: list[float]) -> list[float]:
 def completed(columns: Lists) -> Lists:
     """Columns with x, y and v, completed by s, t, heading, kappa and a where they are missing.
 
-    A car that reverses points against its direction of travel, and what is to the left of the one is to the right of the other.
+    A car that reverses points against its direction of travel, and what is to the left of the one is to the right of the other. Raises D192 where it
+    drives both ways, and the path does not say where it points.
     """
+    if not {"heading", "kappa"} <= columns.keys() and _both_ways(columns):
+        raise TrackmarshalError(
+            "D192",
+            "where the car points does not follow from `x` and `y`: it drives ahead and backwards, and the path turns back",
+            help="give `heading` and `kappa`, or complete what is driven ahead and what is driven backwards apart",
+        )
     s = columns["s"] if "s" in columns else arc_length(columns["x"], columns["y"])
     made: Lists = {"t": columns["t"] if "t" in columns else time_along(s, columns["v"]), "s": s}
     back = reverses(columns["v"])
@@ -111,6 +118,18 @@ def completed(columns: Lists) -> Lists:
 def reverses(v: list[float]) -> bool:
     """Whether a trajectory leads backwards: in some sample, and in none ahead."""
     return any(speed < -REST_SPEED for speed in v) and not any(speed > REST_SPEED for speed in v)
+
+
+def _both_ways(columns: Lists) -> bool:
+    """Whether a trajectory leads ahead and backwards. Not by its speeds alone, of which some may be just below 0 at rest: its path turns back, too."""
+    v = columns["v"]
+    if not (min(v, default=0.0) < -REST_SPEED and max(v, default=0.0) > REST_SPEED):
+        return False
+    places, _ = _apart(columns["x"], columns["y"])
+    return any(
+        (bx - ax) * (cx - bx) + (by - ay) * (cy - by) < 0.0
+        for (ax, ay), (bx, by), (cx, cy) in zip(places, places[1:], places[2:])
+    )
 
 
 def wrap(angle: float) -> float:

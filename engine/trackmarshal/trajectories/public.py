@@ -71,7 +71,8 @@ def complete(columns: Mapping[str, Any]) -> dict[str, Array]:
     """A trajectory with x, y [m] and v [m/s], completed by s, t, heading, kappa and a where they are missing; further columns are kept.
     Where v is negative, and nowhere positive, it points against the direction of travel.
 
-    Raises D191 for columns that are none or unequally long, and D192 where x, y or v is missing.
+    Raises D191 for columns that are none or unequally long, and D192 where x, y or v is missing, or heading or kappa of what leads ahead and
+    backwards.
     """
     return arrays(along.completed(lists(columns, ("x", "y", "v"))))
 
