@@ -92,6 +92,20 @@ def test_a_kept_run_is_that_of_its_own_scenario(project: Path) -> None:
     assert found == {run["scenario"]: run["fired"], "docs/drive.yaml": not run["fired"]}
 
 
+def test_another_limit_is_no_other_rule(project: Path) -> None:
+    """A test says that the parameter changed; a run knows no more than that its rule rests on something else."""
+    gate()
+    spec = project / "specs/speed.spec"
+    text = spec.read_text("utf-8")
+    spec.write_text(
+        re.sub(r"(param v_event[^=]*= *)(\d+)", lambda found: f"{found[1]}{int(found[2]) + 1}", text), "utf-8"
+    )
+    assert spec.read_text("utf-8") != text
+    _, out, _ = run_command("trace", "--as-is", "--verbose")
+    assert "the parameter `speed.v_event` has changed since" in out
+    assert "is stale: the rule `speed_limit`, or something that it reads, has changed since" in out
+
+
 def test_another_track_is_another_run(project: Path, made: list[str]) -> None:
     """What a scenario names is not in its own file."""
     assert gate()[0] == 0

@@ -154,6 +154,17 @@ def test_whatever_differs_of_what_a_result_was_made_from_is_said(
     assert changed(before, now) == said
 
 
+def test_of_runs_a_rule_stands_for_all_that_it_reads() -> None:
+    """Its parameter may be what changed, and the rule is then as it was."""
+    read = "the rule `gap`, or something that it reads, has changed since"
+    assert changed({"rule gap": "a"}, {"rule gap": "b"}, deep=True) == read
+    joined = changed({}, {"rule gap": "b"}, deep=True)
+    assert joined == "the rule `gap` has joined since"
+    assert (
+        changed({"signal ego": "a"}, {"signal ego": "b"}, deep=True) == "the signal `ego` has changed since"
+    )
+
+
 def test_a_waiver_excuses_gaps_but_no_failure(tmp_path: Path) -> None:
     small = Small.copy(tmp_path)
     small.replace(

@@ -113,7 +113,7 @@ class Spec:
         if now is None:
             return ""
         if run.inputs:
-            return changed(run.inputs, now)
+            return changed(run.inputs, now, deep=True)
         rules = {name: value for name, value in now.items() if name.startswith("rule ")}
         return changed({f"rule {facts.rule}": facts.fingerprint for facts in run.rules}, rules)
 
@@ -129,12 +129,17 @@ _WHOLE = {
 }  # fmt: skip
 
 
-def changed(before: Mapping[str, str], now: Mapping[str, str]) -> str:
-    """The first difference between what a result was made from and what there is, in words; empty where there is none."""
+def changed(before: Mapping[str, str], now: Mapping[str, str], *, deep: bool = False) -> str:
+    """The first difference between what a result was made from and what there is, in words; empty where there is none.
+
+    deep: the hash of a rule is also that of all that it reads, as of runs.
+    """
     for name in sorted(before.keys() | now.keys(), key=lambda name: (not name.startswith("rule "), name)):
         if before.get(name) != now.get(name):
             kind, _, own = name.partition(" ")
             said = f"{_CALLED[kind]} `{own}`" if own else _WHOLE[kind]
+            if deep and kind == "rule" and name in before and name in now:
+                said += ", or something that it reads,"
             several = name in ("constraints", "limits")
             if name not in now:
                 return f"it was made from {said}, which {'take' if several else 'takes'} no part any more"
