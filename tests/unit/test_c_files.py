@@ -809,14 +809,30 @@ def test_nothing_is_fused_in_a_build_of_ones_own(name: str, tmp_path: Path) -> N
 
 @needs_compiler
 def test_two_processes_build_at_once(tmp_path: Path) -> None:
+    """Neither moves what it made before both have made it: by themselves, most often one ends before the other compiles."""
+    both = tmp_path / "both"
+    both.mkdir()
     code = (
-        "from trackmarshal.evaluation import loads; from trackmarshal.backends.c.program import CProgram\n"
+        "import os, sys, time; from pathlib import Path; from trackmarshal.evaluation import loads\n"
+        "from trackmarshal.backends.c import build; from trackmarshal.backends.c.program import CProgram\n"
+        "run, both = build.subprocess.run, Path(sys.argv[1])\n"
+        "def late(command, **named):\n"
+        "    done = run(command, **named)\n"
+        "    if 'made' in command:\n"
+        "        (both / str(os.getpid())).touch()\n"
+        "        end = time.monotonic() + 120\n"
+        "        while len(list(both.iterdir())) < 2:\n"
+        "            assert time.monotonic() < end, 'alone'\n"
+        "            time.sleep(0.01)\n"
+        "    return done\n"
+        "build.subprocess.run = late\n"
         "spec = loads('module m\\nsignal ego : state { v: m/s }\\nrule slow \"\" require ego.v < 9 m/s\\n')\n"
         "assert CProgram(spec, list(spec.rules)).library_for().status == 0"
     )
     env = {**os.environ, "TRACKMARSHAL_CACHE": str(tmp_path)}
-    running = [subprocess.Popen([sys.executable, "-c", code], env=env) for _ in range(2)]
+    running = [subprocess.Popen([sys.executable, "-c", code, str(both)], env=env) for _ in range(2)]
     assert [process.wait() for process in running] == [0, 0]
+    assert len(list(both.iterdir())) == 2
     made = list((tmp_path / "c").glob("*/*"))
     assert [path.suffix for path in made] == [".so"]
 
