@@ -24,7 +24,7 @@ STAMP = {"t": 10.0, "now": 10.0, "begun": 1, "since": 0.5}
 FIRST = {"begun": 0, "since": 0.0}
 NUMBER = {"begun": 1, "number": 7, "last": 6}
 START = {"dx": 0.0, "dy": 0.0, "turn": 0.0, "faster": 0.0}
-STORED = {"now": 10.0, "end": 12.0, "posed": 1, "paced": 1, "away": 0.0, "turn": 0.0, "gain": 0.0, "confirmed": 10.0}  # fmt: skip
+STORED = {"now": 10.0, "end": 12.0, "posed": 1, "paced": 1, "away": 0.0, "turn": 0.0, "speed": 8.0, "planned": 8.0, "confirmed": 10.0}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -87,11 +87,20 @@ STORED = {"now": 10.0, "end": 12.0, "posed": 1, "paced": 1, "away": 0.0, "turn":
         (cycles.STORED, STORED, {"turn": 0.25 + BEYOND}, "apart"),
         (cycles.STORED, STORED, {"turn": -0.25 - BEYOND}, "apart"),
         (cycles.STORED, STORED, {"turn": -math.tau}, ""),
-        (cycles.STORED, STORED, {"gain": 4.0}, ""),
-        (cycles.STORED, STORED, {"gain": 4.0 + BEYOND}, "too_fast"),
-        (cycles.STORED, STORED, {"gain": -50.0}, ""),
-        (cycles.STORED, STORED, {"gain": 9.0, "paced": 0}, ""),
-        (cycles.STORED, STORED, {"away": 9.0, "turn": 9.0, "gain": 9.0, "posed": 0}, ""),
+        (cycles.STORED, STORED, {"speed": 12.0}, ""),
+        (cycles.STORED, STORED, {"speed": 12.0 + BEYOND}, "too_fast"),
+        (cycles.STORED, STORED, {"planned": 50.0}, ""),
+        (cycles.STORED, STORED, {"speed": -4.0}, ""),
+        (cycles.STORED, STORED, {"speed": -4.0 - BEYOND}, "too_fast"),
+        (cycles.STORED, STORED, {"speed": -12.0, "planned": -8.0}, ""),
+        (cycles.STORED, STORED, {"speed": -12.0 - BEYOND, "planned": -8.0}, "too_fast"),
+        (cycles.STORED, STORED, {"speed": -8.0, "planned": -50.0}, ""),
+        (cycles.STORED, STORED, {"speed": 4.0, "planned": -8.0}, ""),
+        (cycles.STORED, STORED, {"speed": 4.0 + BEYOND, "planned": -8.0}, "too_fast"),
+        (cycles.STORED, STORED, {"speed": NAN}, "too_fast"),
+        (cycles.STORED, STORED, {"planned": NAN}, "too_fast"),
+        (cycles.STORED, STORED, {"speed": 19.0, "paced": 0}, ""),
+        (cycles.STORED, STORED, {"away": 9.0, "turn": 9.0, "speed": 19.0, "posed": 0}, ""),
         (cycles.STORED, STORED, {"confirmed": 9.5}, ""),
         (cycles.STORED, STORED, {"confirmed": 9.5 - BEYOND}, "unconfirmed"),
         (cycles.STORED, STORED, {"confirmed": -math.inf}, "unconfirmed"),
