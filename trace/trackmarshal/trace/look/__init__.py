@@ -3,6 +3,7 @@ from here."""
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,12 @@ if TYPE_CHECKING:
 FOLDER = Path(__file__).parent
 
 
+@cache
 def environment(templates: Path) -> Environment:
-    """Templates of a page, with `shared.css` beside them, and `marked` as a filter. What they write is escaped; a name that nobody gave raises."""
+    """Templates of a page, with `shared.css` beside them, and `marked` as a filter. What they write is escaped; a name that nobody gave raises.
+
+    The same for all pages of a process, so that each template is compiled once: what a page is about is given to `render`, never kept here.
+    """
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     made = Environment(
