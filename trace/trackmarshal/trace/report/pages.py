@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache, partial
+from functools import partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.trace import look
 from trackmarshal.trace.report.overview import fault_context, index_context
 from trackmarshal.trace.report.reading import Run, read_run
 from trackmarshal.trace.report.run_view import run_context
-
-if TYPE_CHECKING:
-    from jinja2 import Environment
 
 #: The parts of a page before and after its date, given all that it is made of besides its record, and what draws it.
 Drawing: TypeAlias = Callable[[Sequence[object], Callable[[], tuple[str, str]]], tuple[str, str]]
@@ -129,9 +126,4 @@ def _run_page(run: Run, titles: Mapping[str, str], around: Mapping[str, Any]) ->
 
 
 def _page(template: str, context: Mapping[str, Any]) -> str:
-    return _environment().get_template(template).render(**context)
-
-
-@cache
-def _environment() -> Environment:
-    return look.environment(_TEMPLATES)
+    return look.environment(_TEMPLATES).get_template(template).render(**context)
