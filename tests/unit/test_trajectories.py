@@ -101,6 +101,14 @@ def test_of_what_is_driven_both_ways_nobody_knows_where_it_points(given: list[st
     assert tm.complete({**driven, "heading": [0.0] * 5, "kappa": [0.0] * 5})["t"][-1] > 0.0
 
 
+@pytest.mark.parametrize("unknown", range(5))
+def test_an_unknown_speed_does_not_hide_that_both_ways_are_driven(unknown: int) -> None:
+    v: list[float | None] = [1.0, 1.0, -1.0, -1.0, -1.0]
+    v[unknown] = None
+    with pytest.raises(TrackmarshalError, match="drives ahead and backwards"):
+        tm.complete({"x": [0.0, 1.0, 2.0, 1.0, 0.0], "y": [0.0] * 5, "v": v})
+
+
 def test_a_speed_just_below_rest_turns_nothing_round() -> None:
     """As a planner's last sample may have it: the path leads on."""
     made = tm.complete({"x": [0.0, 2.0, 3.0, 3.1], "y": [0.0] * 4, "v": [3.0, 2.0, 0.5, -0.001]})

@@ -121,9 +121,10 @@ def reverses(v: list[float]) -> bool:
 
 
 def _both_ways(columns: Lists) -> bool:
-    """Whether a trajectory leads ahead and backwards. Not by its speeds alone, of which some may be just below 0 at rest: its path turns back, too."""
+    """Whether a trajectory leads ahead and backwards. Not by its speeds alone, of which some may be just below 0 at rest: its path turns back, too.
+    Of a speed that is unknown, nothing follows."""
     v = columns["v"]
-    if not (min(v, default=0.0) < -REST_SPEED and max(v, default=0.0) > REST_SPEED):
+    if not (any(speed < -REST_SPEED for speed in v) and any(speed > REST_SPEED for speed in v)):
         return False
     places, _ = _apart(columns["x"], columns["y"])
     return any(
