@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from support.drawings import SVG, Drawn
 from support.project import run_command
 from support.safety_case import DAY, html, made_ready
 from trackmarshal.cli import drawing
+from trackmarshal.cli.facts import Facts
 from trackmarshal.reading.drawing.choosing import Known, Standing, ranked, window
 from trackmarshal.reading.drawing.contour import Grid, lines
 from trackmarshal.reading.drawing.demand import BROKEN, HOLDS, UNKNOWN, Demand
@@ -22,6 +24,7 @@ from trackmarshal.reading.drawing.drawn import drawn
 from trackmarshal.reading.drawing.making import drawings
 from trackmarshal.reading.drawing.points import Points
 from trackmarshal.reading.drawing.recorded import CELLS, thinned
+from trackmarshal.records.specs import SpecItem
 from trackmarshal.runtime.frame import Settings
 from trackmarshal.semantics.compile import Compiled, compile_text
 from trackmarshal.testing.cases import prepare
@@ -480,3 +483,29 @@ def test_what_is_kept_is_used_and_what_was_changed_is_made_again(
     assert len(made_) == 2
     assert len(made_[1]) == 1
     assert DAY
+
+
+def test_a_rule_is_drawn_elsewhere_where_a_run_of_its_own_reads_something_else() -> None:
+    """The recording, or what the rule is replayed with there, and no rule besides it; a run whose recording is not there is not drawn."""
+    items = [
+        SpecItem("rule", name, "", (), (), "m.spec", 1, 1, name, inputs={f"rule {name}": name})
+        for name in ("a", "b")
+    ]
+    inputs = {
+        "one": {"recording": "1", "signal ego": "1", "rule a": "1"},
+        "two": {"recording": "1", "rule b": "1", "rule c": "1"},
+        "lost": {"signal ego": "1", "rule a": "1", "rule b": "1"},
+    }
+    said = Facts(items, [], [], inputs, [], [])
+
+    def moved(run: str, name: str) -> str:
+        """The rules that are drawn elsewhere where this is another in this run."""
+        other = replace(said, run_inputs={**inputs, run: {**inputs[run], name: "2"}})
+        before, after = (drawing._keys(each, {"a": {}, "b": {}}) for each in (said, other))
+        return "".join(rule for rule in before if before[rule] != after[rule])
+
+    assert [moved("one", name) for name in inputs["one"]] == ["a", "a", "a"]
+    assert [moved("two", name) for name in inputs["two"]] == ["b", "b", ""]
+    assert [moved("lost", name) for name in inputs["lost"]] == ["", "", ""]
+    others = (("lost", "recording"), ("two", "param most"), ("two", "rule a"))
+    assert [moved(run, name) for run, name in others] == ["ab", "b", "a"]
