@@ -17,7 +17,7 @@ from support.run_formulas import SIGNALS, formulas, runs
 from trackmarshal.evaluation import Evaluator, loads
 
 Said = list[Any]
-#: TRACKMARSHAL_EXAMPLES=300 is the share of acceptance.
+#: TRACKMARSHAL_EXAMPLES=60 is the share of acceptance.
 EXAMPLES = int(os.environ.get("TRACKMARSHAL_EXAMPLES", "7"))
 
 
