@@ -208,27 +208,6 @@ static bool tm_box_near(const tm_frame *box, double ua, double va, double ub, do
   return !(((du * du) + (dv * dv)) > (reach * reach));
 }
 
-/** Whether what is swept straight between two poses of a stretch lies to the left of a listed segment, farther than `reach` from its line. Cosines
-   and sines of poses are good to 1e-5. */
-static bool tm_line_far(const tm_stretch *stretch, size_t k, size_t p, size_t q, double length, double width, double reach) {
-  const double ua = (double)stretch->ua[k];
-  const double va = (double)stretch->va[k];
-  const double nu = va - (double)stretch->vb[k];
-  const double nv = (double)stretch->ub[k] - ua;
-  const size_t pose[2] = {p, q};
-  double least = TM_INF;
-  for (size_t i = 0u; i < 2u; ++i) { /* the hull of both footprints is as near to the line as the nearer one of these */
-    const size_t at = pose[i];
-    const double cosine = (double)stretch->cosine[at];
-    const double sine = (double)stretch->sine[at];
-    const double along = 0.5 * (length * fabs((nu * cosine) + (nv * sine)));
-    const double across = 0.5 * (width * fabs((nv * cosine) - (nu * sine)));
-    least = tm_least(least, ((nu * (stretch->u[at] - ua)) + (nv * (stretch->v[at] - va))) - (along + across));
-  }
-  const double more = reach + (2e-5 * (length + width));
-  return (least > 0.0) && ((least * least) > (((nu * nu) + (nv * nv)) * (more * more)));
-}
-
 /** Which of the listed segments may lie within `reach` of what is swept between two poses of a stretch, going by the stretch: a bit each. */
 static unsigned long tm_stretch_near(const tm_stretch *stretch, size_t p, size_t q, double reach) {
   const float *u0 = stretch->least_u;
@@ -247,7 +226,7 @@ static unsigned long tm_stretch_near(const tm_stretch *stretch, size_t p, size_t
 }
 
 /** Of these segments, those that may still be going by the direction in the middle between both poses, if that is turned by little from
-   the stretch, and by their own lines. */
+   the stretch. */
 static unsigned long tm_stretch_nearer(const tm_stretch *stretch, size_t p, size_t q, double length, double width,
                                        double reach, unsigned long near) {
   const double turn = 0.5 * (stretch->turn[p] + stretch->turn[q]);
@@ -277,8 +256,7 @@ static unsigned long tm_stretch_nearer(const tm_stretch *stretch, size_t p, size
       const double ub = (double)stretch->ub[k];
       const double vb = (double)stretch->vb[k];
       if (!tm_box_near(&own, (cosine * ua) + (sine * va), (cosine * va) - (sine * ua), (cosine * ub) + (sine * vb),
-                       (cosine * vb) - (sine * ub), more) ||
-          tm_line_far(stretch, k, p, q, length, width, more)) {
+                       (cosine * vb) - (sine * ub), more)) {
         near &= ~(1ul << k);
       }
     }
