@@ -21,6 +21,7 @@ from support.cycles import cycle
 from support.supervised import shipped
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.source import generated
+from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.backends.reference.functions import Env, Functions, Number, Value
 from trackmarshal.backends.reference.geometry import curvilinear
@@ -352,3 +353,26 @@ def test_what_was_put_into_a_spec_since_counts(backend: str) -> None:
     )
     spec.params["m.most"] = other.params["m.most"]
     assert not tm.Evaluator(spec, backend=backend).case(given).safe
+
+
+def test_cycles_that_are_remembered_share_the_functions_of_nodes(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = list[ir.Formula]()
+    of = Functions._truth
+
+    def counted(self: Functions, node: ir.Formula) -> Value:
+        made.append(node)
+        return of(self, node)
+
+    spec = loads(
+        'module made\nsignal ego : state { v: m/s }\nrule calm "calm"\n  require once[0 s, 1 s] ego.v <= 10 m/s\n'
+    )
+    evaluator = Evaluator(spec, backend="numpy")
+    monkeypatch.setattr(Functions, "_truth", counted)
+    functions = Functions()
+    formula = spec.rules[0].formula
+    assert formula is not None
+    (leaf,) = [node for node in formula.children() if isinstance(node, ir.Compare)]
+    for t in (0.0, 0.5):
+        frame = evaluator.read({"t": t, "signals": {"ego": {"v": 20.0}}})
+        past(spec, frame, 0, functions).leaf(leaf, ())
+    assert made == [leaf]

@@ -95,10 +95,12 @@ def _values(program: Program, rule: RuleInfo, frames: Sequence[Frame]) -> list[C
     from trackmarshal.backends.numpy.program import NumpyProgram
     from trackmarshal.backends.numpy.views import CaseView
     from trackmarshal.backends.reference.evaluator import Reference
+    from trackmarshal.backends.reference.functions import Functions
 
     match program.identity["backend"]:
         case "reference":
-            return [Reference(program.spec, frame) for frame in frames]
+            functions = Functions()
+            return [Reference(program.spec, frame, functions=functions) for frame in frames]
         case "numpy" | "c":
             of_arrays = program if isinstance(program, NumpyProgram) else NumpyProgram(program.spec, [rule])
             run = of_arrays.run(frames)

@@ -148,7 +148,7 @@ class _Run:
             self._gaps = list(self._remembered())
         missed, count = self._gaps[number]
         frame, _ = _seen(self._cycles[number])
-        return [*self._kept[:count], past(self._spec, frame.of(candidate), missed)]
+        return [*self._kept[:count], past(self._spec, frame.of(candidate), missed, self._functions)]
 
     def _remembered(self) -> Iterator[tuple[int, int]]:
         """For each cycle how many are missing right before it, and how many before it are remembered."""
@@ -159,7 +159,7 @@ class _Run:
             if decision.judged is None or in_doubt(frame, decision):
                 missed += bool(self._kept)  # what comes before the first cycle is no gap
             else:
-                self._kept.append(past(self._spec, as_driven(frame, decision), missed))
+                self._kept.append(past(self._spec, as_driven(frame, decision), missed, self._functions))
                 missed = 0
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from trackmarshal.backends.over_run.history import Past
 from trackmarshal.backends.over_run.now import happening
 from trackmarshal.backends.reference.evaluator import Reference
+from trackmarshal.backends.reference.functions import Functions
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.frame import Frame
@@ -18,9 +19,9 @@ if TYPE_CHECKING:
     from trackmarshal.runtime.decision import Decision
 
 
-def past(spec: Spec, frame: Frame, missed: int) -> Past:
-    """A cycle as one candidate, or what was driven, has it. missed: how many cycles are missing before it."""
-    now = happening(frame, Reference(spec, frame))
+def past(spec: Spec, frame: Frame, missed: int, functions: Functions | None = None) -> Past:
+    """A cycle as one candidate, or what was driven, has it. missed: how many cycles are missing before it. functions: of nodes, for all cycles."""
+    now = happening(frame, Reference(spec, frame, functions=functions))
     return Past(now.t, now.name, now.ids, now.leaf, now.number, missed, now)
 
 
@@ -32,6 +33,7 @@ class Keeping:
         self.spec, self.rules, self.identity = program.spec, program.rules, program.identity
         self.cycles: list[Past] = []
         self.missed_since = 0
+        self._functions = Functions()
 
     def start(self) -> Memory:
         return self._program.start()
@@ -49,7 +51,9 @@ class Keeping:
         if in_doubt(frame, decision):
             self._missed(1)
         else:
-            self.cycles.append(past(self.spec, as_driven(frame, decision), self.missed_since))
+            self.cycles.append(
+                past(self.spec, as_driven(frame, decision), self.missed_since, self._functions)
+            )
             self.missed_since = 0
         return self._program.commit(memory, frame, decision)
 
