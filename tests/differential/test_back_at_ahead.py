@@ -7,7 +7,10 @@ import random
 import pytest
 
 from support.length import amount, shared_out
+from trackmarshal.backends.c.build import compiler
 from trackmarshal.evaluation import Evaluator, loads
+
+pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 AHEAD = (
     "(s.x < 0 until[0 s, 3 s] s.z > 0)",

@@ -99,6 +99,7 @@ STORED = {"now": 10.0, "end": 12.0, "posed": 1, "paced": 1, "away": 0.0, "turn":
         (cycles.STORED, STORED, {"speed": 4.0 + BEYOND, "planned": -8.0}, "too_fast"),
         (cycles.STORED, STORED, {"speed": NAN}, "too_fast"),
         (cycles.STORED, STORED, {"planned": NAN}, "too_fast"),
+        (cycles.STORED, STORED, {"speed": 1.0, "planned": NAN}, "too_fast"),
         (cycles.STORED, STORED, {"speed": 19.0, "paced": 0}, ""),
         (cycles.STORED, STORED, {"away": 9.0, "turn": 9.0, "speed": 19.0, "posed": 0}, ""),
         (cycles.STORED, STORED, {"confirmed": 9.5}, ""),

@@ -96,7 +96,7 @@ STORED = (
     _demand(
         "too_fast",
         "",
-        "(posed == 0) | (paced == 0) | (fabs(speed) <= overspeed)"
+        "(posed == 0) | (paced == 0) | ((fabs(speed) <= overspeed) & (planned == planned))"
         " | ((speed > 0) & ((speed - planned) <= overspeed)) | ((speed < 0) & ((planned - speed) <= overspeed))",
     ),
     _demand("unconfirmed", "", "(now - confirmed) <= blind"),

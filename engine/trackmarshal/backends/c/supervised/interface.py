@@ -32,7 +32,7 @@ _MEANING = {
     "apart": "m, how far along the stored trajectory's path the car may be from where it is due",
     "beside": "m, how far beside that path",
     "turned": "rad, how far it may be turned against it",
-    "overspeed": "m/s, how much faster than it is there",
+    "overspeed": "m/s, how much faster than it is there, or how fast the other way",
     "blind": "s, how long no pose may confirm it",
 }
 
