@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import random
 import struct
@@ -322,3 +323,44 @@ def test_a_tooth_of_the_border_through_a_body_is_as_deep_in_it_as_its_middle(tur
             found = Evaluator(spec, None, backend).case({"signals": signals}).rules["f"]
             assert found.verdict == "violated"
             assert found.margin == pytest.approx(-1.0)
+
+
+def test_a_long_body_that_is_turned_far_beside_one_that_is_turned_the_other_way() -> None:
+    """The mean turn of both poses is small, and of one of them a cosine that is good near 0 is off by 4e-4. A notch of the border lies a little farther
+    away than another one, along the hull of both."""
+    spec = loads(
+        "module m\n"
+        "signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad }\n"
+        "signal track : corridor { left: polyline, right: polyline }\n"
+        'rule inside "on the track"\n  for all p in plan\n  require swept_hull(p, 20 m, 0.5 m) inside track\n'
+    )
+    along, headings = cmath.rect(1.0, 0.7), [-0.149, 0.79, -0.298, 0.0, 0.0, 0.0]
+    across = 1j * along
+
+    def reach(turn: float) -> float:
+        """How far a body reaches towards the notch."""
+        corners = (cmath.rect(1.0, turn) * complex(x, y) for x in (-10.0, 10.0) for y in (-0.25, 0.25))
+        return min((corner / across).real for corner in corners)
+
+    last = 16.0 * along + across * (reach(0.79) - reach(-0.298) + 1.4e-3)
+    places = [across * (reach(0.79) - reach(-0.149) + 6.0), 0j, last, last, last, last]
+    near = cmath.rect(1.0, 0.79) * complex(-10.0, -0.25)
+    tail = places[0] + cmath.rect(1.0, -0.149) * complex(-10.0, 0.25) + complex(-0.05, 0.015)
+    evaluators = [Evaluator(spec, None, backend) for backend in ("numpy", "c")]
+
+    def margins(gap: float, first: float, second: float) -> list[float]:
+        left = [-40 + 18j, tail, -18 + 40j, 60 + 40j]
+        right = [-40 - 80j, *(near + along * at - across * gap for at in (first, second)), 60 - 30j]
+        columns = {"x": [at.real for at in places], "y": [at.imag for at in places], "heading": headings}
+        given = {"plan": {"t": [0.1 * i for i in range(6)], **columns}, "track": {
+            side: [[at.real, at.imag] for at in line] for side, line in (("left", left), ("right", right))
+        }}  # fmt: skip
+        found = [one.case({"signals": given}).rules["inside"].margin for one in evaluators]
+        assert all(margin is not None for margin in found)
+        return [margin for margin in found if margin is not None]
+
+    alone = margins(6.0, 2.0, 4.0)[0]
+    for k in (-5, -4, -3):
+        by_numpy, in_c = margins(alone + k * 1e-4, 1.2, 2.4)
+        assert 0.04 < by_numpy < 0.06
+        assert in_c == pytest.approx(by_numpy, abs=1e-9), k
