@@ -18,9 +18,10 @@ def test_waiting_outlasts_a_page_that_is_left(tmp_path: Path) -> None:
     (tmp_path / "second.html").write_text("there", "utf-8")
     with browser_page() as page:
         page.open(first)
-        page.evaluate(LEAVE)
-        with pytest.raises(PageLeft):
-            page.evaluate("new Promise(() => 0)")
+        with pytest.raises(
+            PageLeft
+        ):  # by what is asked itself: who is asked a moment later may be the page behind it
+            page.evaluate("new Promise(() => document.querySelector('a').click())")
         page.open(first)
         page.evaluate(LEAVE)
         page.until(
