@@ -50,3 +50,13 @@ def test_what_follows_from_one_of_many_alike_follows_from_the_first() -> None:
     later = Finding("T218", "error", "a result of no test", Place(page, 9))
     assert causes([later, *alike], Graph({}, ())) == {later: alike[0]}
     assert causes([later, *alike, broken], Graph({}, ())) == dict.fromkeys([later, *alike], broken)
+
+
+def test_a_file_that_was_written_while_it_was_read_stands_for_itself() -> None:
+    """That a mistake is in the same file does not explain it, and it explains none."""
+    page = "requirements/all.yaml"
+    written = Finding("T296", "error", "was written while it was read", Place(page))
+    broken = Finding("T105", "error", "not YAML", Place(page, 1))
+    later = Finding("T218", "error", "a result of no test", Place(page, 9))
+    assert causes([written, broken], Graph({}, ())) == {}
+    assert causes([written, later], Graph({}, ())) == {}
