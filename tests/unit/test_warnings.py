@@ -600,6 +600,51 @@ def test_headings_turn_over_however_they_are_compared(demand: str, said: list[st
     assert {found.code for found in made.found} <= {"W310", "E220"}
 
 
+@pytest.mark.parametrize(
+    ("kind", "apart", "told"),
+    [
+        ("deg in [0, 360]", [359.0, 1.0], "from 359 deg to 1 deg, this is 358 deg"),
+        ("deg in [0, 359.9]", [359.0, 1.0], "from 359 deg to 1 deg, this is 358 deg"),
+        ("rad in [-3.1416, 3.1416]", [3.1, -3.1], "from 179 deg to -179 deg, this is 358 deg"),
+        ("deg in [-90, 90]", [89.0, -89.0], ""),  # a latitude
+        ("deg in [-720, 720]", [359.0, 1.0], ""),  # a steering wheel, which has turned by that
+        ("m in [0, 6.28]", [6.2, 0.1], ""),
+        ("deg", [359.0, 1.0], ""),  # nothing is known of it
+    ],
+)
+def test_an_angle_of_a_whole_turn_turns_over_whatever_it_is_called(
+    kind: str, apart: list[float], told: str, tmp_path: Path
+) -> None:
+    """By what comes of it: beside where they start anew, two courses are almost alike, and their numbers a whole turn apart."""
+    ships = f"signal one : state {{ course: {kind} }}\nsignal other : state {{ course: {kind} }}\n"
+    unit = kind.split(maxsplit=1)[0]
+    made = compiled(tmp_path, ships + rule("a", f"abs(one.course - other.course) <= 3 {unit}"))
+    assert [found.pointer for found in made.found] == ([told] if told else [])
+    evaluator = Evaluator(made.spec, None, "reference")
+    signals = {name: {"course": value} for name, value in zip(("one", "other"), apart)}
+    (result,) = evaluator.evaluate([evaluator.read({"signals": signals})])
+    assert result.rules["a"].verdict == "violated"
+
+
+@pytest.mark.parametrize(
+    ("demand", "warned"),
+    [
+        ("abs(ship.course - 180 deg) <= 30 deg", False),  # at most half a turn off, as it should be
+        ("abs(180 deg - ship.course) <= 30 deg", False),
+        ("abs(ship.course - 350 deg) <= 30 deg", True),  # 10 deg is 20 deg off
+        ("ship.course <= 5 deg or ship.course >= 355 deg", False),
+        ("abs(ship.course - atan2(ship.y, ship.x)) <= 30 deg", True),
+        ("ship.course - ship.rudder <= 30 deg", False),
+    ],
+)
+def test_a_course_and_a_constant_are_told_where_it_turns_over(
+    demand: str, warned: bool, tmp_path: Path
+) -> None:
+    ship = "signal ship : state { x: m, y: m, course: deg in [0, 360], rudder: deg in [-35, 35] }\n"
+    found = compiled(tmp_path, ship + rule("a", demand)).found
+    assert [each.code for each in found] == (["W310"] if warned else [])
+
+
 def test_a_car_that_turns_on_through_180_degrees_turns_no_faster(tmp_path: Path) -> None:
     """What the warning is about: at 5 deg/s all along, the rate of the numbers is that of almost a whole turn."""
     clause = "  for all   consecutive p, q in plan\n"

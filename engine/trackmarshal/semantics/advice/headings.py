@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from trackmarshal import typed
-from trackmarshal.semantics.advice.units import GIVE_ON, reads
+from trackmarshal.semantics.advice.units import ANGLES, GIVE_ON, reads
 from trackmarshal.semantics.values import behind, on_open_line
 from trackmarshal.semantics.warnings.numbers import LapsOver, TurnsOver
 from trackmarshal.source import Span
@@ -18,11 +18,13 @@ def turns_over(left: typed.Number, right: typed.Number, span: Span) -> TurnsOver
     """What is to be said of a comparison of two headings, or of how far they are apart, where nothing takes whole turns out of it."""
     one, other = _but_for_constants(left, _turns), _but_for_constants(right, _turns)
     if one is not None and other is not None and (_leads(one) or _leads(other)):
-        return TurnsOver(
-            span, one.span.in_line, other.span.in_line, "179 deg and -179 deg are no 358 deg apart"
-        )
+        return _over(span, one, other, "{} and {} are no 358 deg apart")
     apart = next((found for number in (left, right) if (found := _apart(number)) is not None), None)
-    return None if apart is None else TurnsOver(apart.span, apart.left.span.in_line, apart.right.span.in_line)
+    return (
+        None
+        if apart is None
+        else _over(apart.span, apart.left, apart.right, "from {} to {}, this is 358 deg")
+    )
 
 
 def laps_over(left: typed.Number, right: typed.Number, span: Span) -> LapsOver | None:
@@ -47,7 +49,19 @@ def between(op: str, left: typed.Number, right: typed.Number, span: Span) -> Tur
         ends = _summed(one, other) or (_summed(other, one) if op == "*" else None)
     elif op != "-":
         raise AssertionError(f"unknown operator {op}")
-    return None if ends is None else TurnsOver(span, ends[0].span.in_line, ends[1].span.in_line, _THROUGH)
+    return (
+        None
+        if ends is None
+        else _over(span, ends[0], ends[1], "of {} and {}, what lies between is taken for {}")
+    )
+
+
+def _over(span: Span, one: typed.Number, other: typed.Number, told: str) -> TurnsOver:
+    """The warning, told of two headings that lie beside where these start anew, and of what is halfway between their numbers."""
+    leads = next((each for each in (one, other) if _leads(each)), one)
+    lowest = -180.0 if (turn := _turn(behind(leads))) is None else math.degrees(turn[0])
+    seam = [f"{round(lowest + after)} deg" for after in (359.0, 1.0, 180.0)]
+    return TurnsOver(span, one.span.in_line, other.span.in_line, told.format(*seam))
 
 
 def _but_for_constants(node: typed.Number, kind: Callable[[typed.Number], bool]) -> typed.Number | None:
@@ -64,14 +78,25 @@ def _but_for_constants(node: typed.Number, kind: Callable[[typed.Number], bool])
 
 
 def _leads(node: typed.Number) -> bool:
-    """Whether a number is where something heads for: a field of that name, or the direction of a line."""
+    """Whether a number is where something heads for: a field of that name, or one whose range is a whole turn, or the direction of a line."""
     match behind(node):
-        case typed.Field(name="heading"):
-            return True
+        case typed.Field() as field:
+            return field.name == "heading" or _turn(field) is not None
         case typed.OnLine(function="direction"):
             return True
         case _:
             return False
+
+
+def _turn(node: typed.Number) -> tuple[float, float] | None:
+    """The range of a field that is declared as an angle of a whole turn, as a course in [0, 360] is: it starts anew at its ends."""
+    if not isinstance(node, typed.Field) or node.record.signal is None:
+        return None
+    kind = node.record.signal.field(node.name)
+    if kind is None or kind.unit not in ANGLES or kind.lower is None or kind.upper is None:
+        return None
+    whole = math.isclose(kind.upper - kind.lower, math.tau, rel_tol=0.01)  # [0, 359.9], [-3.14, 3.14]
+    return (kind.lower, kind.upper) if whole else None
 
 
 def _turns(node: typed.Number) -> bool:
@@ -80,9 +105,17 @@ def _turns(node: typed.Number) -> bool:
 
 
 def _leads_apart(left: typed.Number, right: typed.Number) -> bool:
-    """Whether a difference is one of two headings, or of one and a bearing or a constant."""
+    """Whether a difference is one of two headings, or of one and a bearing or a constant that is not the middle of its range."""
     sides = (left, right)
-    return any(map(_leads, sides)) and all(_turns(one) or not reads(one) for one in sides)
+    if not any(map(_leads, sides)) or not all(_turns(one) or not reads(one) for one in sides):
+        return False
+    return not (_is_middle(left, right) or _is_middle(right, left))
+
+
+def _is_middle(node: typed.Number, field: typed.Number) -> bool:
+    """Whether a constant is the middle of a field's range of a whole turn: from 180 deg, a course in [0, 360] is half a turn away at most."""
+    value, turn = typed.literal(behind(node)), _turn(behind(field))
+    return value is not None and turn is not None and math.isclose(value, sum(turn) / 2, abs_tol=0.01)
 
 
 def _apart(
@@ -159,9 +192,6 @@ def _both_stand(left: typed.Number, right: typed.Number) -> bool:
 
 #: Two headings.
 _Ends: TypeAlias = tuple[typed.Number, typed.Number]
-
-
-_THROUGH = "of 179 deg and -179 deg, what lies between is taken for 0 deg"
 
 
 def _shares(one: typed.Number, other: typed.Number) -> _Ends | None:

@@ -93,6 +93,7 @@ class TurnsOver(Diagnostic):
     remedy = "write `angle_difference({first}, {second})`, of the module `prelude.frames`"
     explanation = (
         "Headings start anew after half a turn: what heads for 179 deg and what heads for -179 deg go almost the same way, and their difference is 358 deg. "
+        "So it is with a course in [0, 360], between 359 deg and 1 deg, and with every angle whose declared range is a whole turn, whatever it is called. "
         "A rule that asks how far two headings are apart, how fast one turns, what lies between two, or which is the greater one, or chooses by it whom it is about, is then "
         "wrong about cars that drive side by side, and about one that drives on through 180 deg. "
         "`angle_difference` takes whole turns out; sines and cosines of a difference do without it."
@@ -101,7 +102,7 @@ class TurnsOver(Diagnostic):
     span: Span
     first: str
     second: str
-    told: str = "from 179 deg to -179 deg, this is 358 deg"
+    told: str
 
 
 class LapsOver(Diagnostic):
