@@ -153,6 +153,40 @@ def test_another_planners_conventions_are_found_and_undone(spec: Spec, shape: st
     assert "its times are absolute: they begin with the stamp" in str(report)
 
 
+@pytest.mark.parametrize(("course", "speed"), [("cog", "sog_kn"), ("richtung", "tempo")])
+def test_the_car_and_others_are_read_by_the_words_of_the_plan(spec: Spec, course: str, speed: str) -> None:
+    """As a ship sends it, over ground, or in a language that nobody here knows: what numbers say of a column of plans holds for its name."""
+    knot = 1852.0 / 3600.0
+    raws = disguised(
+        {
+            "east": lambda p, t: p["x"],
+            "north": lambda p, t: p["y"],
+            "secs": lambda p, t: p["t"],
+            course: lambda p, t: (90 - np.degrees(p["heading"])) % 360,
+            speed: lambda p, t: p["v"] / knot,
+        }
+    )
+    for raw in raws:
+        pose, (other,) = raw["pose"], raw["others"]
+        raw["pose"] = {
+            "east": pose["px"],
+            "north": pose["py"],
+            course: pose["yaw"],
+            speed: pose["speed"] / 3.6 / knot,
+        }
+        raw["others"] = [
+            {"mmsi": 219012345, "east": other["east"], "north": other["north"], course: other["course"], speed: other["kmh"] / 3.6 / knot,
+             "len": other["len"], "wid": other["wid"]}
+        ]  # fmt: skip
+    report = tm.check_planner(raws, spec, header=recorded()[1], emergency="trajs.fallback")
+    for fields in (report.mapped.ego_fields, report.mapped.object_fields):
+        assert (fields["heading"].column, fields["v"].column, fields["v"].unit) == (course, speed, "kn")
+    assert report.mapped.object_fields["id"].column == "mmsi"
+    assert [str(f) for f in report.findings if f.level == "broken"] == []
+    for place, cycle in enumerate(report.cycles):
+        same(cycle, place, but=("s", "kappa", "a"))
+
+
 @pytest.mark.parametrize("cycles", [2, CYCLES])
 @pytest.mark.parametrize("behind", [0.0, 0.07])
 @pytest.mark.parametrize("absolute", [True, False])

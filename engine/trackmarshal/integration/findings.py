@@ -149,7 +149,7 @@ def of_structure(made: Mapped) -> Iterator[Finding]:
                 yield Finding(
                     "broken", f"objects.{field}", f"`{made.objects}` has nothing that is called like it"
                 )
-    for path, named in placed(made.founds).items():
+    for path, named in placed(made.founds, made.plan).items():
         if path in (made.objects, made.obstacles):
             continue
         words = f"`{path}` has places and speeds as other vehicles have, and is not taken: the adapter would be blind to it"

@@ -162,7 +162,7 @@ def read(
     made.absolute = _absolute(made)
     made.others = [p for p in there if p not in (made.driving, made.emergency)]
     _car(made)
-    found = records.objects(made.founds, made.times()) if "objects" in contract else None
+    found = records.objects(made.founds, made.times(), made.plan) if "objects" in contract else None
     if found is not None:
         made.objects, fields = found
         made.object_fields = _of(fields, contract["objects"] | {"id"})
@@ -171,7 +171,7 @@ def read(
             (likeness(path.rpartition(".")[2], "objects"), path) for path, _ in paths(made.founds, "empty")
         ]
         made.no_objects = max((one for one in empty if one[0] >= 0.8), default=(0.0, None))[1]
-    standing = records.obstacles(made.founds, made.objects)
+    standing = records.obstacles(made.founds, made.objects, made.plan)
     if standing is not None and "obstacles" in contract:
         made.obstacles, fields = standing
         made.obstacle_fields = _of(fields, contract["obstacles"] | {"id"})
@@ -238,7 +238,7 @@ def _car(made: Mapped) -> None:
     plans = [made.timeline(i, made.driving) for i in range(len(made.founds))]
     begins = [None if p is None or "x" not in p else (float(p["x"][0]), float(p["y"][0])) for p in plans]
     way = np.array([math.nan if p is None or "heading" not in p else p["heading"][0] for p in plans])
-    found = records.ego(made.founds, begins, way)
+    found = records.ego(made.founds, begins, way, made.plan)
     if found is None:
         return
     made.ego, made.ego_fields = found

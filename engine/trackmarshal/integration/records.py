@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,18 @@ from trackmarshal.integration.mapping import SPEEDS, TIMES, Column, heading_colu
 from trackmarshal.integration.names import likeness
 
 
-def by_names(names: list[str], fields: tuple[str, ...]) -> dict[str, str]:
-    """Field -> the name that is most like it, each name once."""
+def by_names(names: list[str], fields: tuple[str, ...], plan: Mapping[str, Column]) -> dict[str, str]:
+    """Field -> the name that is most like it, each name once. What a column of the plan is called, so is the field of a record."""
+    called = {
+        field: c.column for field, c in plan.items() if not c.column.isdigit()
+    }  # a place in a row is no name
     ranked = sorted(
-        ((-likeness(n, f), i, n, f) for f in fields for i, n in enumerate(names)), key=lambda one: one[:2]
+        (
+            (-1.0 if called.get(f) == n else -likeness(n, f), i, n, f)
+            for f in fields
+            for i, n in enumerate(names)
+        ),
+        key=lambda one: one[:2],
     )
     found: dict[str, str] = {}
     for score, _, name, field in ranked:
@@ -45,14 +54,18 @@ def stamp(cycles: list[Found]) -> Column | None:
 
 
 def ego(
-    cycles: list[Found], starts: list[tuple[float, float] | None], way: Array
+    cycles: list[Found],
+    starts: list[tuple[float, float] | None],
+    way: Array,
+    plan: Mapping[str, Column],
 ) -> tuple[str, dict[str, Column]] | None:
-    """The record that is where plans begin, with its fields; `starts` are the first places of the driving trajectories, `way` their directions."""
+    """The record that is where plans begin, with its fields; `starts` are the first places of the driving trajectories, `way` their directions, `plan` their columns."""
     ranked: list[tuple[float, str, dict[str, str]]] = []
     for path in dict.fromkeys(path for one in cycles for path in one.records):  # of equals, the first
         named = by_names(
             list(next(c.records[path] for c in cycles if path in c.records)),
             ("x", "y", "heading", "v"),
+            plan,
         )
         if "x" not in named or "y" not in named:
             continue
@@ -91,22 +104,25 @@ def speed_unit(values: Array, speeds: Array, column: Column, what: str = "the pl
     return Column("v", column.column, unit, SPEEDS[unit], said=f"{r.factor:.4g} times the speed of {what}")
 
 
-def placed(cycles: list[Found]) -> dict[str, dict[str, str]]:
+def placed(cycles: list[Found], plan: Mapping[str, Column]) -> dict[str, dict[str, str]]:
     """The sets of what has a place, and which of its fields is called like which, in the order of the cycles."""
     found: dict[str, dict[str, str]] = {}
     for path in dict.fromkeys(path for one in cycles for path in one.sets):
         first = next((item for one in cycles for item in one.sets.get(path, ())), {})
-        named = by_names([str(n) for n in first], ("id", "x", "y", "heading", "v", "length", "width", "age"))
+        fields = ("id", "x", "y", "heading", "v", "length", "width", "age")
+        named = by_names([str(n) for n in first], fields, plan)
         if "x" in named and "y" in named:
             found[path] = named
     return found
 
 
-def objects(cycles: list[Found], times: list[float]) -> tuple[str, dict[str, Column]] | None:
+def objects(
+    cycles: list[Found], times: list[float], plan: Mapping[str, Column]
+) -> tuple[str, dict[str, Column]] | None:
     """The set of other vehicles, with its fields: by names, and by how each moves from cycle to cycle."""
     ranked = [
         (likeness(path.rpartition(".")[2], "objects"), path, named)
-        for path, named in placed(cycles).items()
+        for path, named in placed(cycles, plan).items()
         if "v" in named
     ]
     if not ranked:
@@ -123,13 +139,15 @@ def objects(cycles: list[Found], times: list[float]) -> tuple[str, dict[str, Col
     return path, fields
 
 
-def obstacles(cycles: list[Found], taken: str | None) -> tuple[str, dict[str, Column]] | None:
+def obstacles(
+    cycles: list[Found], taken: str | None, plan: Mapping[str, Column]
+) -> tuple[str, dict[str, Column]] | None:
     """The set of what stands still, by its name and those of its fields."""
     for path in dict.fromkeys(path for one in cycles for path in one.sets):
         if path == taken or likeness(path.rpartition(".")[2], "obstacles") < 0.8:
             continue
         items = [item for one in cycles for item in one.sets.get(path, ())]
-        named = by_names([str(n) for n in items[0]], ("id", "x", "y", "heading", "length", "width"))
+        named = by_names([str(n) for n in items[0]], ("id", "x", "y", "heading", "length", "width"), plan)
         if "x" in named and "y" in named:
             units = {"heading": "rad", "id": ""}
             fields = {f: Column(f, name, units.get(f, "m"), said="called so") for f, name in named.items()}
