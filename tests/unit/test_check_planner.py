@@ -473,6 +473,36 @@ def test_a_tail_that_creeps(spec: Spec) -> None:
     assert "emergency = tm.cut_at_rest(emergency)" in report.adapter
 
 
+@pytest.mark.parametrize(("last", "creeps"), [(3.0, False), (5.9, False), (6.1, True), (60.0, True)])
+def test_who_brakes_slowly_does_not_creep(last: float, creeps: bool) -> None:
+    """A ship stops in a minute, and looks ahead in steps of 3 s: its last one is as long as all others. It creeps where it brakes less than half as hard in it."""
+    contract = tm.loads("""
+module ship
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, kappa: 1/m, v: m/s }
+signal ego : state { x: m, y: m, heading: rad, v: m/s }
+rule ends "At rest"
+  require plan.last.t >= 0 s
+""")
+    raws = []
+    for number in range(3):
+        t = [3.0 * i for i in range(21)]
+        v = [6.0 - 0.1 * z for z in t]
+        x = [5.0 * 6.0 * number + 6.0 * z - 0.05 * z * z for z in t]
+        plan = {"x": x, "y": [0.0] * 21, "heading": [0.0] * 21, "kappa": [0.0] * 21, "v": v}
+        slow = {
+            **plan,
+            "t": [*t[:-1], t[-2] + last],
+            "v": [*v[:-1], 0.0],
+            "x": [*x[:-1], x[-2] + v[-2] * last / 2.0],
+        }
+        ego = {"x": x[0], "y": 0.0, "heading": 0.0, "v": 6.0}
+        raws.append(
+            {"t": 5.0 * number, "ego": ego, "candidates": {"driving": {**plan, "t": t}, "emergency": slow}}
+        )
+    report = tm.check_planner(raws, contract)
+    assert ("the last step to rest takes" in str(report)) == creeps
+
+
 def test_a_straight_road_does_not_tell_all(spec: Spec) -> None:
     """Any convention fits there by some angle: one along an axis is suggested, and said to be unsure."""
     recording = tm.load_recording(ROOT / "specs" / "scenarios" / "cut_in.tmrec.jsonl")

@@ -20,6 +20,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.scenarios.field.log import MOVING
 from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
 from trackmarshal.scenarios.inputs import with_default
+from trackmarshal.trajectories.rest import cut
 
 #: A fault at the door -> what to do.
 ADVICE = {
@@ -196,19 +197,26 @@ def of_motion(made: Mapped, times: Sequence[float]) -> Iterator[Finding]:
     emergency = [made.timeline(i, made.emergency) for i in range(len(times))]
     yield from _begins(made, driving)
     yield from _origin(made, driving)
-    tails = [
-        (float(p["t"][-1] - p["t"][-2]), i)
-        for i, p in enumerate(emergency)
-        if p is not None and "t" in p and "v" in p and len(p["t"]) > 1 and p["v"][-1] == 0.0
-    ]
-    if tails and max(tails)[0] > 2.0:
+    tails = [(longest, i) for i, p in enumerate(emergency) if (longest := _creeps(p)) is not None]
+    if tails:
         longest, place = max(tails)
         yield Finding(
-            "convert", "emergency", f"the last step to rest takes up to {longest:.3g} s (cycle {place}); in {sum(t > 2.0 for t, _ in tails)} cycles more than 2 s",
+            "convert", "emergency", f"the last step to rest takes up to {longest:.3g} s (cycle {place}); in {len(tails)} cycles more than 2 s, and twice as long as "
+            "it takes to brake on as before",
             "no car brakes so: tm.cut_at_rest(columns), before it is sent to the Supervisor and driven",
         )  # fmt: skip
     yield from _repeats(made, driving)
     yield from _sides(made, driving)
+
+
+def _creeps(plan: dict[str, Any] | None) -> float | None:
+    """How long the last step to rest takes, where that is longer than 2 s and cut at rest it is over in less than half; None otherwise, as where all steps are long."""
+    if plan is None or not {"t", "x", "y", "v"} <= plan.keys() or len(plan["t"]) < 2 or plan["v"][-1] != 0.0:
+        return None
+    columns = {name: list(map(float, values)) for name, values in plan.items()}
+    step = columns["t"][-1] - columns["t"][-2]
+    sooner = columns["t"][-1] - cut(columns).columns["t"][-1]
+    return step if step > 2.0 and sooner > step / 2.0 else None
 
 
 def _sides(made: Mapped, driving: list[dict[str, Any] | None]) -> Iterator[Finding]:
