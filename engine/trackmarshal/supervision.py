@@ -169,7 +169,8 @@ def rerun(
 ) -> Iterator[tuple[Decision, list[Difference]]]:
     """The cycles of a record again, at the recorded times: each decision, and where it is not the recorded one.
 
-    begin: a snapshot of the record, after whose cycles it begins (`nearest`). Raises TrackmarshalError D163 or D164 where it cannot be used.
+    begin: a snapshot of the record, after whose cycles it begins (`nearest`). Where the run went on from one, so does this. Raises TrackmarshalError
+    D163, D164 or E486 where one of these cannot be used.
     """
     ticks: list[float] = []
 
@@ -177,14 +178,28 @@ def rerun(
         return ticks.pop(0)
 
     again = box.running(run.limits, clock)
-    first = 0
+    first, went_on = 0, run.restored
     if begin is not None:
         again.restore(begin.lines())
         first = begin.after
     for place, recorded in enumerate(run.cycles[first:], first):
+        if place in went_on:
+            _go_on(again, went_on[place], run.source)
         ticks[:] = recorded.readings
         decision = again.step(recorded.cycle)
         yield decision, differences(place, recorded, decision)
+
+
+def _go_on(again: Supervisor | CSupervisor, begin: Snapshot, shown: str) -> None:
+    """Go on from where the run did; without it, other decisions would say nothing of the run. Raises TrackmarshalError D163, D164 or E486."""
+    try:
+        again.restore(begin.lines(), shown)
+    except ValueError as error:
+        raise damaged(str(error), shown) from error
+    except TrackmarshalError as error:
+        error.file = error.file or shown
+        error.help = "the run went on from it: replay it with the evaluator that wrote it, and the spec and values of the run"
+        raise
 
 
 def nearest(run: Run, box: Rulebox, place: int) -> tuple[Snapshot | None, TrackmarshalError | None]:

@@ -29,7 +29,9 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.record.decided import decided
 from trackmarshal.runtime.record.reading import Run, read
 from trackmarshal.runtime.record.snapshots import Snapshot
+from trackmarshal.runtime.saving import whole as whole_of
 from trackmarshal.runtime.verdict import VERDICTS
+from trackmarshal.scenarios.supervised import recording_of
 from trackmarshal.supervision import box_of, nearest, rerun, supervisor
 
 needs_c = pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -378,6 +380,42 @@ def test_cycles_that_could_not_be_written(tmp_path: Path, monkeypatch: pytest.Mo
     found, _ = nearest(run, box_of(run, spec), 56)
     assert found is not None
     assert [differing for _, differing in rerun(run, box_of(run, spec), found) if differing] == []
+
+
+def _going_on(path: Path, backend: str, first: int, stop: int, lines: list[str]) -> list[str]:
+    """The cycles of `straight` from first to stop into a record, from where another Supervisor was saved; then its lines are those of where it is."""
+    now = 0.0
+    limits = Limits(overspeed=1e3, budget=1e9)
+    made: Any = supervisor(rules(), None, backend, limits, lambda: now, path)
+    for number in range(first, stop):
+        if number == first + 4 and lines:
+            made.restore(lines)
+        now = round((number + 1) / 10, 9)
+        made.step(straight(number))
+    made.close()
+    assert (made.record_error, made.recorder.snapshot_error) == ("", "")
+    return whole_of(made.saving())
+
+
+@pytest.mark.parametrize("backend", SAVING)
+def test_a_run_that_goes_on_from_another_one(backend: str, tmp_path: Path) -> None:
+    """In its record is from where, so that a replay decides the same: here behind four cycles of its own."""
+    path, spec = tmp_path / "run.arrows", rules()
+    saved = _going_on(tmp_path / "before.arrows", backend, 0, 34, [])
+    _going_on(path, backend, 30, 50, saved)
+    run = read(path.read_bytes(), "run")
+    assert [(one.after, one.restored) for one in run.snapshots] == [(4, True)]
+    whole = told(run, spec, None, None)
+    assert (len(whole), {one[-1] for one in whole}) == (20, {"[]"})
+    found, _ = nearest(run, box_of(run, spec), 10)
+    assert told(run, spec, None, found) == whole[4:]
+    # What was remembered does matter to it, and nobody who cannot go on from it says that the run was another one.
+    assert {one[-1] for one in told(replace(run, snapshots=()), spec, None, None)[4:]} > {"[]"}
+    with pytest.raises(TrackmarshalError, match="the run went on from it") as caught:
+        told(run, spec, "reference", None)
+    assert caught.value.code == "E486"
+    noted = "before cycle 4 it went on from where another run had been saved; what rules remembered of that is not known here"
+    assert noted in recording_of(path.read_bytes(), "run", "run").notes
 
 
 def test_a_step_saves_a_little(tmp_path: Path) -> None:

@@ -218,5 +218,7 @@ def _cycles(one: Recording | Run, source: Source, evaluator: Evaluator) -> Itera
     other = one.other_spec(evaluator.spec)
     if other:
         print(f"note: {one.source}: {other}", file=sys.stderr)
+    if one.went_on:
+        print(f"note: {one.source}: {one.went_on}, which a file of cycles cannot say", file=sys.stderr)
     box = rulebox(evaluator, one.identity.get("params"), one.identity.get("tables"))
     return cycle_file.of_run(one, source, box.settings)

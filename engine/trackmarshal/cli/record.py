@@ -129,6 +129,8 @@ def _summary(
             if began
             else "started at the beginning: there is no snapshot before that can be used"
         )
+    if run.went_on:
+        lines.append(run.went_on)
     if run.damage:
         lines.append(run.damage)
     if run.missed:

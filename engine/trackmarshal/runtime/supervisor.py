@@ -38,7 +38,7 @@ from trackmarshal.runtime.reasons import (
     shown,
     violations,
 )
-from trackmarshal.runtime.recorder import Recorder, gone
+from trackmarshal.runtime.recorder import Recorder, gone, went_on
 from trackmarshal.runtime.saving import (
     NOT_SAVED,
     Piece,
@@ -308,6 +308,8 @@ class Supervisor(OfOneRun):
             raise damaged(str(error), shown) from error
         self._steps, self._last, self.door.last = known[0], known[1], known[2:]
         self.held, self.memory, self._since = held, memory, reckoned
+        if self.recorder is not None:
+            self.record_error = went_on(self.recorder, lines) or self.record_error
 
     @cached_property
     def _of(self) -> tuple[str, str]:

@@ -294,6 +294,8 @@ def recording_of(data: bytes, name: str, shown: str) -> Recording:
     if gaps:
         more = f", and before {len(gaps) - 1} later ones" if len(gaps) > 1 else ""
         notes.append(f"cycles are missing before the one at {moment(gaps[0])} s{more}")
+    if run.went_on:
+        notes.append(f"{run.went_on}; what rules remembered of that is not known here")
     if run.damage:
         notes.append(run.damage)
     left_out = len(run.cycles) - len(kept)

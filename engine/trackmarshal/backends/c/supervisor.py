@@ -32,7 +32,7 @@ from trackmarshal.runtime.machine import NO_SAFE_TRAJECTORY, STATES
 from trackmarshal.runtime.plan import Plan
 from trackmarshal.runtime.program import Judged, advisory
 from trackmarshal.runtime.reasons import advisories, incomplete, internal, named_rules, overlapping
-from trackmarshal.runtime.recorder import Recorder, gone
+from trackmarshal.runtime.recorder import Recorder, gone, went_on
 from trackmarshal.runtime.saving import NOT_SAVED, Saving, damaged, meaning, opened, spelt, unsaved
 from trackmarshal.runtime.supervisor import OfOneRun
 from trackmarshal.runtime.verdict import VERDICTS
@@ -228,6 +228,8 @@ class CSupervisor(OfOneRun):
         except NOT_SAVED as error:
             raise damaged(str(error), shown) from error
         self._quick.steps, self._quick.stored, self._quick.last = steps, stored, last
+        if self._recorder is not None:
+            self.record_error = went_on(self._recorder, lines) or self.record_error
 
     @property
     def _here(self) -> Stepper:

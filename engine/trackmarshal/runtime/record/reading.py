@@ -67,6 +67,17 @@ class Run:
             return ""
         return "another spec was in force than the one given here; its decisions may differ"
 
+    @property
+    def restored(self) -> dict[int, Snapshot]:
+        """Where the run went on from, by how many of its cycles came before; of several in one place, the last one."""
+        return {one.after: one for one in self.snapshots if one.restored}
+
+    @property
+    def went_on(self) -> str:
+        """What is said where the run went on from where another one was saved; empty where it did not."""
+        places = ", ".join(map(str, self.restored))
+        return places and f"before cycle {places} it went on from where another run had been saved"
+
 
 def is_record(data: bytes) -> bool:
     """Whether these may be the first bytes of a record."""

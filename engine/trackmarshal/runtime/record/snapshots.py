@@ -1,14 +1,15 @@
 """Snapshots in the record of a run: written a little in each step, beside the cycles, and found again when it is read.
 
 A part is one JSON object: `{"snapshot": N, "part": K, "last": false, "lines": [...]}`, with lines of `saving.py`. It is what the run came to after
-the first N cycles of the record; parts of one snapshot are counted from 0. One of which the last part is missing is none.
+the first N cycles of the record; parts of one snapshot are counted from 0. One of which the last part is missing is none. One with `"restored": true`
+at its end was not taken of this run, which went on from it there.
 """
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,8 @@ EVERY = 200
 #: How many lines are made in a step, and in how many characters; from how many on they are written.
 _LINES, _LENGTH, _FULL = 8, 2_000, 32_000
 _HEAD = re.compile(r'\{"snapshot":(\d+),"part":(\d+),"last":(true|false),"lines":\[')
+#: How a snapshot ends that the run went on from. No text within has these quotes.
+_RESTORED = ',"restored":true}'
 
 
 class Snapshots:
@@ -62,6 +65,13 @@ class Snapshots:
             if part:
                 yield part
 
+    def restored(self, lines: Sequence[str]) -> str:
+        """A snapshot that the run goes on from, as one part: it is restored between two steps, where nobody waits."""
+        self.drop()  # what was being saved is no more where the run is
+        return (
+            f'{{"snapshot":{self._cycles},"part":0,"last":true,"lines":{json.dumps(list(lines))}{_RESTORED}'
+        )
+
     def drop(self) -> None:
         """Give up the snapshot at hand: a part of it could not be written."""
         self._writer, self._lines, self._size = None, [], 0
@@ -93,10 +103,11 @@ class Snapshots:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """A whole snapshot of a record. after: of how many of its cycles; parts: as they were written."""
+    """A whole snapshot of a record. after: of how many of its cycles; parts: as they were written; restored: whether the run went on from it."""
 
     after: int
     parts: tuple[str, ...]
+    restored: bool = False
 
     def lines(self) -> list[str]:
         """Its lines; whoever restores it looks whether they are what was saved. Raises ValueError for what was not written here."""
@@ -130,5 +141,5 @@ class Parts:
             return
         self._parts.append(part)
         if head[3] == "true":
-            self.whole.append(Snapshot(after, tuple(self._parts)))
+            self.whole.append(Snapshot(after, tuple(self._parts), part.endswith(_RESTORED)))
             self._after = -1

@@ -148,6 +148,10 @@ class Record:
         self._missed += 1
         self._cycles += 1
 
+    def restored(self, lines: Sequence[str]) -> None:
+        """The next cycles rest on what this snapshot says, and not on the rows before. Raises OSError where the disk refuses it."""
+        self._add(self._no_cycle(-1, 0, self._snapshots.restored(lines)))
+
     @property
     def snapshot_error(self) -> str:
         """Why the record has no snapshots any more; empty where it has."""
