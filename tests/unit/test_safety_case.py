@@ -21,6 +21,7 @@ from trackmarshal import trace
 from trackmarshal.cli import assessment
 from trackmarshal.records.runs import DriveFacts, LeastMargin, RuleFacts, RunSummary, TruthFacts
 from trackmarshal.trace.case.content import NAMES
+from trackmarshal.trace.case.templates import unused
 
 
 def test_every_number_is_in_the_graph(warehouse: Path) -> None:
@@ -327,6 +328,30 @@ def test_a_section_is_replaced_by_a_template_of_the_project(warehouse: Path) -> 
     status, _, err = command(warehouse, "case", "--out", str(own), "--templates", str(warehouse / "nowhere"))
     assert status == 2
     assert "error[T431]" in err
+    (own / "hazards.html.j2").rename(own / "hazard.html.j2")
+    status, _, err = command(warehouse, "case", "--out", str(own), "--format", "html")
+    assert (status, "error[T439]: the template `hazard.html.j2` is used by nothing" in err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("name", "meant"),
+    [
+        ("hazard.html.j2", "hazards.html.j2"),
+        ("people.j2", "people.typ.j2"),
+        ("styles.css", "style.css"),
+        ("common.html.j2", ""),
+    ],
+)
+def test_a_template_that_nothing_uses_is_refused(name: str, meant: str, tmp_path: Path) -> None:
+    """What is misspelt stood in place of nothing: the document was the same without it."""
+    assert not list(unused(tmp_path, NAMES))
+    (tmp_path / name).write_text("ours", "utf-8")
+    (tmp_path / "safety-case.html").write_text("what came of it", "utf-8")
+    ((found, help_),) = unused(tmp_path, NAMES)
+    assert found == name
+    assert (f"`{meant}`" in help_) if meant else True
+    (tmp_path / "hazards.html.j2").write_text(f'{{% include "{name}" %}}', "utf-8")
+    assert not list(unused(tmp_path, NAMES))
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "safety-case.md"

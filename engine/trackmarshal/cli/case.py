@@ -66,7 +66,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431 and T433 to T437."""
+    """Write the document; 1 where the gate fails, 2 where a document cannot be read. Raises T430, T431, T433 to T437, and T439."""
     from trackmarshal.trace.collector import no_collection
 
     with no_collection():
@@ -220,7 +220,10 @@ def _lapsed(given: Inputs) -> Iterable[tuple[str, date]]:
 
 
 def _templates(named: str | None, found: Assessment, root: Path) -> Path | None:
-    """The folder of the project's own templates; raises T431."""
+    """The folder of the project's own templates; raises T431 and T439."""
+    from trackmarshal.trace.case.content import NAMES
+    from trackmarshal.trace.case.templates import unused
+
     declared = found.project.case_templates
     if named is None and not declared:
         return None
@@ -234,6 +237,11 @@ def _templates(named: str | None, found: Assessment, root: Path) -> Path | None:
         raise TrackmarshalError(
             "T431", f"there is no folder {folder}", file=file, line=line, help="name a folder with templates"
         )
+    for name, meant in sorted(unused(folder, NAMES)):
+        raise TrackmarshalError(
+            "T439", f"the template `{name}` is used by nothing", file=str(folder / name),
+            help=meant or "docs/safety-case.md lists the names of ours; one of your own is named by another one",
+        )  # fmt: skip
     return folder
 
 

@@ -12,6 +12,7 @@ CODES = {
     "T436": ("a word that does not fit", "A word of a file of words is none that the document has, has other places to fill in than the English one, or has a number in it. Numbers of the document come from the link graph, so that each can be found there again."),
     "T437": ("results of a closed loop that cannot be used", "The file that v-model.yaml names under `closed_loop` holds no results of runs in a closed loop, or some that lack what the safety case says of them."),
     "T438": ("letters that the PDF has no font for", "The PDF is set in fonts that come with typst, whatever fonts the machine has, so that it is the same everywhere. They have no glyph for these letters; `‹U+6F22›` stands for each of them in the PDF. The HTML has the letters themselves."),
+    "T439": ("a template that nothing uses", "A template of a project stands in place of one of the program's by having its name: `document`, `blocks`, `section`, or a section's, with `.html.j2` or `.typ.j2` behind it, or `style.css`. This one has none of these names, and no other template of the project names it, so that the document would be as if it were not there."),
 }  # fmt: skip
 
 __all__ = ["CODES"]
