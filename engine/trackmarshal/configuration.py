@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -34,8 +34,10 @@ def configured(
     """A compiled spec with the values of configuration modules put in; raises Diagnostics for what is wrong with any of them."""
     compiled.raise_errors()
     spec = compiled.spec
-    for path in paths_of(configuration):
-        spec = configure(spec, _settings(path, shown_from, compiled))
+    all_settings = [_settings(path, shown_from, compiled) for path in paths_of(configuration)]
+    given = {short_name(info) for settings in all_settings for info in settings.params.values()}
+    for settings in all_settings:
+        spec = configure(spec, settings, given)
     return spec
 
 
@@ -59,15 +61,19 @@ def setting_names(paths: Iterable[Path], configuration: Sequence[Path]) -> set[s
     return short | {info.name for info in infos if short_name(info) in short}
 
 
-def configure(spec: Spec, settings: Spec) -> Spec:
-    """The spec with the values of another module's parameters, tables and places in place of its own."""
+def configure(spec: Spec, settings: Spec, given: Collection[str] = ()) -> Spec:
+    """The spec with the values of another module's parameters, tables and places in place of its own.
+
+    given: the parameters that others set beside it, whichever comes first, by their names in a module.
+    """
+    given = {*given, *(short_name(info) for info in settings.params.values())}
     params, tables, places = dict(spec.params), dict(spec.tables), dict(spec.places)
     kinds: tuple[tuple[str, dict[str, Any], Mapping[str, Any]], ...] = (
         ("parameter", params, settings.params), ("table", tables, settings.tables), ("place", places, settings.places)
     )  # fmt: skip
     for kind, target, source in kinds:
         for info in source.values():
-            _refuse_several(spec, settings, kind, target, info)
+            _refuse_several(spec, given, kind, target, info)
             _refuse_contradicted(kind, source, info)
             _replace(kind, target, info)
     digest = hashlib.sha256(spec.fingerprint.encode())
@@ -183,7 +189,7 @@ def _refuse_ignored(trees: Sequence[ast.Module]) -> None:
 
 
 def _refuse_several(
-    spec: Spec, settings: Spec, kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
+    spec: Spec, given: Collection[str], kind: str, target: Mapping[str, ParamInfo | TableInfo | PlaceInfo], info: ParamInfo | TableInfo | PlaceInfo
 ) -> None:  # fmt: skip
     """Raise E402 for a name of several declarations that rules read: which of them is meant, nobody can tell, as of data (D203)."""
     short = short_name(info)
@@ -204,7 +210,6 @@ def _refuse_several(
         if isinstance(node, ir.Param | ir.Lookup | ir.GridLookup | ir.Area | ir.Line)
     }
     # What a parameter is made of is read for it, unless it is set, too.
-    given = {short_name(each) for each in settings.params.values()}
     left = list(read)
     for name in left:
         if name in spec.params and short_name(spec.params[name]) not in given:

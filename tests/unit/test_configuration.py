@@ -250,6 +250,13 @@ def test_what_a_configuration_sets_is_made_of_nothing(tmp_path: Path) -> None:
     car.write_text("module car\nparam top : m/s = 14 m/s\nparam slow : m/s = 11 m/s\n", "utf-8")
     made = load(specs, [car]).params
     assert (made["road.top"].value, made["pit.slow"].value) == (14.0, 11.0)
+    # So it is where another configuration sets it, in whichever order they are named.
+    lane = tmp_path / "lane.spec"
+    lane.write_text("module lane\nparam slow : m/s = 11 m/s\n", "utf-8")
+    car.write_text("module car\nparam top : m/s = 14 m/s\n", "utf-8")
+    for settings in ([car, lane], [lane, car]):
+        made = load(specs, settings).params
+        assert (made["road.top"].value, made["pit.slow"].value) == (14.0, 11.0)
 
 
 TRAJECTORY = "trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s }"
