@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,8 @@ from golden.trace.cases import HERE
 from support.project import command, run_command
 from trackmarshal.cli.answers import commit
 from trackmarshal.files import digest
+from trackmarshal.meaning.tool import _DATA, _KINDS, tool, tool_of, whole
 from trackmarshal.meaning.tool import HERE as HERE_OF_ENGINE
-from trackmarshal.meaning.tool import tool, tool_of
 from trackmarshal.records.results_file import ResultsFile, save
 from trackmarshal.records.tests import ExternalTest
 from trackmarshal.trace.impact.resting import order
@@ -540,6 +541,24 @@ def test_the_engine_of_a_folder_of_sources(tmp_path: Path) -> None:
     edit(there, "__init__.py", '__version__ = "', '__version__ = "9.')
     assert tool_of(there).startswith("trackmarshal 9.")
     assert tool_of(tmp_path / "nowhere") == ""
+
+
+def test_the_whole_program_is_also_what_it_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an installed program, answers that are kept rest on its schemas and lists of phrases; results of rules do not."""
+    found = list[tuple[str, str]]()
+    for phrases in ("not ready", "not ready\nuntested"):
+        there = tmp_path / str(len(found))
+        (there / "trace").mkdir(parents=True)
+        (there / "__init__.py").write_text('__version__ = "9"\n', "utf-8")
+        (there / "trace" / "denials.txt").write_text(phrases, "utf-8")
+        monkeypatch.setattr(sys.modules[whole.__module__], "HERE", there)  # `tool` is a function of that name
+        found.append((whole.__wrapped__(), tool_of(there)))
+    (one, engine), (other, same) = found
+    assert one != other
+    assert engine == same
+    both = [Path(__file__).parents[2] / part / "trackmarshal" for part in ("engine", "trace")]
+    packaged = {path.suffix for folder in both for path in folder.rglob("*") if path.is_file()}
+    assert packaged - {".pyc", ".typed", ""} == {*_KINDS, *_DATA}
 
 
 def test_accepted_again_by_another_engine_is_one_acceptance_more(robot: Path) -> None:
