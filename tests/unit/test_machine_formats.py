@@ -175,6 +175,9 @@ def test_benchmarks() -> None:
     assert (status, out) == (2, "")
     assert "error[E461]: no benchmark mode in" in err
     assert "help: made" in err
+    # Where there is none, no files can be looked at.
+    Path("tests/benchmarks/bench_made.py").unlink()
+    assert "help: write a module bench_NAME.py there, with `measure()`" in run_command("bench")[2]
 
 
 @pytest.mark.usefixtures("folder")

@@ -41,7 +41,8 @@ def run(args: argparse.Namespace) -> int:
         raise TrackmarshalError(
             "E461",
             f"no benchmark{''.join(f' {name}' for name in lacking)} in {folder}",
-            help=", ".join(known) or "see the files there",
+            help=", ".join(known)
+            or "write a module bench_NAME.py there, with `measure()`: `trackmarshal bench --help`",
         )
     if args.names:
         files = [file for name, file in known.items() if name in args.names]
