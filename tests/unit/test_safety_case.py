@@ -198,6 +198,27 @@ def test_a_stale_run_is_on_the_first_page_in_the_argument_and_in_the_status(
     assert top(page) == "not supported"
 
 
+@pytest.mark.parametrize(
+    ("expect", "came", "outcome"),
+    [
+        ("ground_truth", {"ground_truth": {"static": TruthFacts(True, (), ())}}, "✓ run"),
+        ("ground_truth", {"ground_truth": {"static": TruthFacts(False, ("rated safe at 2 s",), ())}}, "✗ failed"),
+        ("ground_truth", {"ground_truth": {"static": TruthFacts(True, (), ())}, "fired": True, "unexpected": (1.25,)}, "✗ failed"),
+        ("no_fire", {}, "✓ run"),
+        ("no_fire", {"fired": True, "drive": DriveFacts(4.0, 20.0, {}, ())}, "✗ failed"),
+        ("fire", {"fired": True}, "✓ run"),
+        ("fire", {}, "✗ failed"),
+    ],
+)  # fmt: skip
+def test_a_run_that_is_not_as_it_is_to_be_has_failed(
+    expect: str, came: dict[str, Any], outcome: str, warehouse: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """That it was made was all that its outcome said, with the sign of what passed."""
+    with_run(warehouse, monkeypatch, expect, **came)
+    said = re.findall(r"<dt>outcome</dt><dd>(.*?)</dd>", html(warehouse).html)
+    assert {re.sub(r"<[^>]*>", "", one) for one in said} == {outcome}
+
+
 def test_what_no_ground_truth_judges_stands_with_what_is_inside(
     warehouse: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

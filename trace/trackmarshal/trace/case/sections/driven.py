@@ -8,10 +8,13 @@ from collections.abc import Iterator
 from trackmarshal.records.runs import DriveFacts, LeastMargin, RunSummary
 from trackmarshal.trace.case.model import Block, Code, Fixed, Given, Line, Number, Status
 from trackmarshal.trace.case.writing import Writing, given, joined
+from trackmarshal.trace.graph.graph import Node
 from trackmarshal.trace.report.words import clock
 
 #: How sure one may be of what a drive bounds, in percent.
 _SURE = 95
+#: What is said of a run that contradicts its ground truth, or is otherwise than it is to be.
+_CONTRADICTS = frozenset({"T243", "T244", "T245"})
 
 
 def field(writing: Writing) -> Iterator[Block]:
@@ -42,7 +45,7 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
         sure=_number(run, "confidence", _SURE),
     )  # fmt: skip
     facts: list[tuple[str, Line]] = [
-        ("label.outcome", (Status(node.attributes["outcome"]),)),
+        ("label.outcome", (came_to(writing, node),)),
         ("label.hours", (writing.said_number(node, "hours"), Fixed(" h"))),
         ("label.way", (writing.said_number(node, "km"), Fixed(" km"))),
         ("label.cycles", (writing.said_number(node, "cycles"),)),
@@ -60,6 +63,12 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
         ]
         for one in drive.least
     ))  # fmt: skip
+
+
+def came_to(writing: Writing, run: Node) -> Status:
+    """What a run came to: one that contradicts what it is to show has failed, and has not just been made."""
+    wrong = {str(finding.subject) for finding in writing.given.matrix.findings if finding.code in _CONTRADICTS}
+    return Status("failed" if run.id in wrong else run.attributes["outcome"])
 
 
 def at_most(events: int, risk: float) -> float:

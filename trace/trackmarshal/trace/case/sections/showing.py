@@ -103,7 +103,7 @@ def _scenario(writing: Writing, one: Scenario, run: RunSummary | None) -> Part:
             level=3,
         )
     facts += [
-        ("label.outcome", (Status("stale" if node.attributes["outcome"] == "stale" else "run"),)),
+        ("label.outcome", (driven.came_to(writing, node),)),
         ("label.cycles", (writing.said_number(node, "cycles"),)),
         ("label.fired", writing.line(f"fired.{node.attributes['fired']}")),
         ("label.evaluated", writing.refs(n.key for n in writing.beyond(node.key, "evaluates"))),
