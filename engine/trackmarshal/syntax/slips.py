@@ -85,6 +85,12 @@ _PAIRS = tuple(
         ("within|for|in|during", r"\b(always|eventually|historically|once|since|until)", r"a window stands in square brackets, behind the word: `\1[0 s, 2 s]`"),
         ("[A-Z]", r"\b(?:satisfies|assuming)[ \t]+(?:[\w.-]+[ \t]*,[ \t]*)*[\w.-]+", "ids are parted by commas"),
         (r"[0-9]", r"\bsatisfies\b[^\n]*", "an id starts with a capital letter: `S-1-A-4`; what a rule is taken from is its `source`"),
+        ('"[A-Z]', r"\b(?:satisfies|assuming)\b[^\n]*", "an id stands without quotes: `FOUND`"),
+        ('"', r"\b(?:satisfies|assuming)\b[^\n]*", "an id starts with a capital letter, and stands without quotes: `S-1-A-4`; what a rule is taken from is its `source`"),
+        (r"\.[0-9]", r"\b(?:satisfies|assuming)\b[^\n]*", "ids have letters, digits and `-`: `S-1-A-4`; what a rule is taken from is its `source`"),
+        (r"\.[0-9]", r"\A(?:rule|test|param|define|predicate|state)[ \t]+\w+", "names have letters, digits and `_`"),
+        (r"[0-9]", r"\A(?:rule|test|param|define|predicate|state)", "a name begins with a letter"),
+        ('"[0-9]', r"\Aparam\b[^\n]*=", "a number stands without quotes: `FOUND`"),
         (r"[0-9]", r"\bsource[ \t]+(\w+)", r'say of what kind: `source \1 section FOUND`; what is more than a number, such as 5.2.3 or 5 (1), stands between double quotes: `source \1 "..."`'),
         (r"[.(/§–-]", r"\bsource[ \t]+(\w+)[ \t]+(\w+)[ \t]+[0-9., \t]*[0-9]", r'what is more than a number stands between double quotes: `source \1 "\2 ..."`'),
     )
