@@ -35,6 +35,13 @@ def margin_units(formula: ir.Formula) -> set[str]:
     return measured_units(formula) | ({"1"} if counts else set())
 
 
+def margin_shown(formula: ir.Formula, unit: str) -> str:
+    """The unit in which all limits of a formula are written that its margin in this SI unit may be about; "" for SI, and where they are in several."""
+    atoms = [n for n in formula_atoms(formula) if isinstance(n, ir.Compare) and n.op != "is"]
+    written = {n.shown for n in atoms if n.unit == unit}
+    return written.pop() if len(written) == 1 else ""
+
+
 def measured_units(formula: ir.Formula) -> set[str]:
     """The units of what has a scale: counts of cycles and of samples have none."""
     atoms = formula_atoms(formula)

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 from trackmarshal.diagnostics.base import close_matches
 from trackmarshal.ir import nodes as ir
-from trackmarshal.ir.margins import SCALED, margin_units, own_unit
+from trackmarshal.ir.margins import SCALED, margin_shown, margin_units, own_unit
 from trackmarshal.ir.spec import RuleInfo
 from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.syntax import ast
@@ -89,7 +89,8 @@ class Expected(Constants):
         if rule is None or rule.formula is None:
             return 0.0, None
         if own_unit(rule.unit):
-            return self.constant(value, f"the margin of `{rule.name}`", parse_shown(rule.unit))[0], None
+            what, written = f"the margin of `{rule.name}`", margin_shown(rule.formula, rule.unit)
+            return self.constant(value, what, parse_shown(rule.unit), written)[0], None
         number, dimension = self.constant(value, f"the margin of `{rule.name}`")
         unit, units = show(dimension), margin_units(rule.formula)
         if dimension == NUMBER and (number == 0.0 or rule.unit == SCALED):

@@ -67,7 +67,9 @@ def _drive(writing: Writing, run: RunSummary, drive: DriveFacts) -> Iterator[Blo
 
 def came_to(writing: Writing, run: Node) -> Status:
     """What a run came to: one that contradicts what it is to show has failed, and has not just been made."""
-    wrong = {str(finding.subject) for finding in writing.given.matrix.findings if finding.code in _CONTRADICTS}
+    wrong = {
+        str(finding.subject) for finding in writing.given.matrix.findings if finding.code in _CONTRADICTS
+    }
     return Status("failed" if run.id in wrong else run.attributes["outcome"])
 
 
