@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -77,3 +78,23 @@ def test_an_assumption_of_the_library_is_backed_by_the_project(
     assert command(car, "trace", "--accept-baseline", "--by", "Ann", "--reason", "a law")[0] in (0, 1)
     (car / "docs" / "pose.md").write_text("# Pose\n\nThis is not yet measured.\n", "utf-8")
     assert {"T253", "T373"} <= {code for code, _ in said()}
+
+
+def test_the_page_of_an_assessment_says_what_the_project_attaches(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It had what specs say alone: that there is no evidence, of an assumption that the gate passes for its evidence."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path / "cache"))
+    car = tmp_path / "car"
+    assert run_command("init", str(car), "--quiet")[0] == 0
+    with (car / "specs" / "speed.spec").open("a", encoding="utf-8") as file:
+        file.write('\nassume A-DRY "The road is dry"\n  satisfies R-1\n  owner     "they"\n')
+    with (car / "requirements" / "v-model.yaml").open("a", encoding="utf-8") as file:
+        file.write("assumptions:\n  - {name: A-DRY, evidence: docs/dry.md, owner: Ann}\n")
+    command(car, "assess", "--quiet")
+    page = (car / "out" / "assess" / "index.html").read_text("utf-8")
+    (row,) = (row for row in page.split("<tr>") if "A-DRY" in row and 'data-label="evidence"' in row)
+    assert re.findall(r'data-label="(?:owner|evidence)">(.*?)</td>', row) == [
+        "Ann",
+        "<code>docs/dry.md</code>",
+    ]

@@ -42,6 +42,7 @@ def _assessed(args: argparse.Namespace) -> int:
     from trackmarshal import trace
     from trackmarshal.cli.assessment import assess
     from trackmarshal.cli.evidence import now
+    from trackmarshal.trace.backing import backed
     from trackmarshal.trace.report import page_addresses, write_report
 
     root = find_project(args)
@@ -95,6 +96,7 @@ def _assessed(args: argparse.Namespace) -> int:
         faults=trace.fault_rows(made.facts.fault_cases, made.fault_results),
         drawn=drawn,
         kept=kept,
+        backed={item.name: {"evidence": item.evidence, "owner": item.owner} for item in backed(made.project, made.facts.items, [])},
     )  # fmt: skip
     drawn.keep()
     expected = {str(scenario.path): scenario.expect for scenario in made.project.scenarios}

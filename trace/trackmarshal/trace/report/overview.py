@@ -32,9 +32,9 @@ class State:
 
 def index_context(
     runs: Sequence[tuple[Run, str]], matrix_summary: Mapping[str, Any], missing: Sequence[Mapping[str, Any]],
-    checks: Mapping[str, Any], meta: Mapping[str, Any], matrix: str | None,
+    checks: Mapping[str, Any], meta: Mapping[str, Any], matrix: str | None, backed: Mapping[str, Mapping[str, str]],
 ) -> dict[str, Any]:  # fmt: skip
-    """All that the index's template needs; `runs` come with the addresses of their pages."""
+    """All that the index's template needs; `runs` come with the addresses of their pages. backed: as of `write_report`."""
     findings = [_finding(f) for f in missing]
     titles = {entry["id"]: entry["title"] for entry in matrix_summary.get("stages", [])}
     return {
@@ -60,7 +60,7 @@ def index_context(
         "statuses": STATUSES,
         "runs": [_run(run, page) for run, page in runs],
         "checks": checks,
-        "assumptions": _assumptions([run for run, _ in runs]),
+        "assumptions": _assumptions([run for run, _ in runs], backed),
     }
 
 
@@ -273,14 +273,16 @@ def _run(run: Run, page: str) -> dict[str, Any]:
     }
 
 
-def _assumptions(runs: Sequence[Run]) -> list[dict[str, Any]]:
+def _assumptions(runs: Sequence[Run], backed: Mapping[str, Mapping[str, str]]) -> list[dict[str, Any]]:
     """Assumptions of all runs by name, with the runs in which their monitor fired, and in how many others it held somewhere: without what it is about, it says nothing."""
     found: dict[str, dict[str, Any]] = {}
     for run in runs:
         fired = {rule.name for rule in run.rules if rule.fired}
         held = {rule.name for rule in run.rules if any("s" in lane.verdict for lane in rule.lanes.values())}
         for entry in run.record["assumptions"]:
-            known = found.setdefault(entry["name"], {**entry, "broken": [], "held": 0})
+            known = found.setdefault(
+                entry["name"], {**entry, **backed.get(entry["name"], {}), "broken": [], "held": 0}
+            )
             if entry["name"] in fired:
                 known["broken"].append(run.name)
             elif entry["name"] in held:

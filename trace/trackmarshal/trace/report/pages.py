@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from trackmarshal.errors import TrackmarshalError
@@ -40,6 +41,7 @@ def write_report(
     faults: Sequence[Mapping[str, str]] = (),
     drawn: Drawing = lambda about, draw: draw(),
     kept: Sequence[Mapping[str, Any]] = (),
+    backed: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
 ) -> Path:
     """Write index.html and runs/NAME.html and return the path of the index; raises T291 or T292.
 
@@ -50,7 +52,8 @@ def write_report(
     [{"rule", "title", "message", "place"}], "uncovered": [rules whose boundary lacks a test], "faults": (found as expected, put in)}; what is left out is said
     not to have been done. meta: {"project", "created", "tool", "python", "spec_fingerprint", "command", "versions": {name:
     version}, "notes": [text]}; only what is given is shown. faults: rows of `trackmarshal.trace.fault_rows`. drawn: gives the
-    parts of a run's page before and after its date, drawn or kept, told all that the page is made of besides its record. kept: runs of logs that are not part of the project, {"path", "title", "cycles", "fired", "day"}. Equal input makes equal pages.
+    parts of a run's page before and after its date, drawn or kept, told all that the page is made of besides its record. kept: runs of logs that are not part of the project, {"path", "title", "cycles", "fired", "day"}.
+    backed: by assumption {"evidence", "owner"} where the project says otherwise than its spec. Equal input makes equal pages.
     """
     meta, checks = {**_NO_META, **meta}, {**_NO_CHECKS, **checks}
     read = [read_run(record) for record in runs]
@@ -71,7 +74,7 @@ def write_report(
     pages["index.html"] = _page(
         "index.html.j2",
         {
-            **index_context(linked, matrix_summary, missing, checks, meta, matrix_html),
+            **index_context(linked, matrix_summary, missing, checks, meta, matrix_html, backed),
             **fault_context(faults),
             "kept": kept,
         },
