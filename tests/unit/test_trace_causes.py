@@ -7,7 +7,7 @@ import pytest
 from trackmarshal.trace import causes as folding
 from trackmarshal.trace.causes import causes
 from trackmarshal.trace.findings import Finding, Place
-from trackmarshal.trace.graph.graph import Graph
+from trackmarshal.trace.graph.graph import Graph, Link, Node
 
 
 def test_what_many_records_lack_is_not_held_against_all_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -60,3 +60,17 @@ def test_a_file_that_was_written_while_it_was_read_stands_for_itself() -> None:
     later = Finding("T218", "error", "a result of no test", Place(page, 9))
     assert causes([written, broken], Graph({}, ())) == {}
     assert causes([written, later], Graph({}, ())) == {}
+
+
+def test_nobody_has_reviewed_a_hazard_whatever_the_recordings_reach() -> None:
+    """That a scenario is gone since, which is why they reach less, was the reason for everything that is read by nobody."""
+    place = Place("requirements/hazards.yaml", 1)
+    nodes = [Node(kind, id_, "t", place, {}) for kind, id_ in (("operational design domain", "ODD-1"), ("hazard", "H-1"))]  # fmt: skip
+    link = Link("operates_in", nodes[1].key, nodes[0].key, "covers", place)
+    graph = Graph({node.key: node for node in nodes}, [link])
+    gone = Finding(
+        "T228", "error", "a scenario is gone", None, subject="a.yaml", about=("at S-4",), gone=True
+    )
+    claimed = Finding("T254", "error", "claims more", None, subject="ODD-1", rests_on=("at S-4",))
+    unread = Finding("T382", "error", "nobody has reviewed it", None, subject="H-1")
+    assert causes([gone, claimed, unread], graph) == {claimed: gone}

@@ -334,6 +334,10 @@ def _explains(other: Finding, finding: Finding) -> bool:
         return False
     if finding.code == "T211" and other.code.startswith("T") and other.code not in _TAKES_TESTS:
         return False
+    if other.code == "T254" and finding.code in _OF_REVIEWS:
+        return (
+            False  # that recordings do not reach as far as a domain claims takes no reader from its hazards
+        )
     # No cell is open for want of a reader.
     return other.code != "T382" or finding.code in _OF_REVIEWS
 
