@@ -17,6 +17,8 @@ from trackmarshal.trace.model import Project
 from trackmarshal.trace.spec import Spec, item_place
 
 _HELP = 'restore it, or accept it by name: `trackmarshal trace --accept-baseline --by "NAME" --reason "..."`'
+#: Of what was not there.
+_NEW_HELP = f"take it away, or {_HELP.partition(', or ')[2]}"
 _UNREVIEWED_HELP = f"have it reviewed (`reviews` in a document `assurance`); or {_HELP.partition(', or ')[2]}"
 #: Of changes that have one finding, for so many it is told in it whether they are weaker; of all in the places beside it.
 _TOLD = 3
@@ -107,7 +109,8 @@ def check(
         rests_on = tuple(
             dict.fromkeys(name for change in group for name in _around(baseline.content, change))
         )
-        help_ = _UNREVIEWED_HELP if code == "T382" else _HELP
+        new = all(not change.field and not change.before for change in group)
+        help_ = _UNREVIEWED_HELP if code == "T382" else _NEW_HELP if new else _HELP
         yield Finding(code, "error", message, at[0], help_, name, also, tuple(about), rests_on, gone)
     yield from _others([change for change in found if not change.weaker], now, here)
 
