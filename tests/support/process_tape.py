@@ -18,6 +18,7 @@ from support.processes import Rig, Served
 from support.supervised import shipped
 from trackmarshal.backends.c.process.emit import WHYS, Emitted
 from trackmarshal.backends.c.source import generate
+from trackmarshal.ir.spec import Spec
 from trackmarshal.process.executing import Executing
 from trackmarshal.process.messages import Layout
 from trackmarshal.runtime.cycle import Cycle, Limits
@@ -108,9 +109,9 @@ int main(int argc, char **argv) {
 """
 
 
-def compiled(folder: Path, flags: Sequence[str], desk: bool) -> Path:
-    """The program, with the emitted C of the shipped Supervisor as a process. desk: cycles are decided about, too."""
-    spec = shipped()
+def compiled(folder: Path, flags: Sequence[str], desk: bool, spec: Spec | None = None) -> Path:
+    """The program, with the emitted C of a spec's Supervisor as a process; the shipped one where none is given. desk: cycles are decided about, too."""
+    spec = shipped() if spec is None else spec
     source = generate(spec, [rule for rule in spec.rules if rule.formula is not None], doored=True)
     files = {**Emitted(source, asdict(Limits())).files, "supervisor.h": source.header, "tape.c": PROGRAM}
     units = ["tape.c", "messages.c", "executing.c"]

@@ -18,7 +18,7 @@ OUTDATED, LEFT, ENDED = "outdated", "left", "ended"
 
 @dataclass(frozen=True)
 class Setpoint:
-    """What to drive at a time: sample `index` and the share of the way to the next one, and all columns there, None for nothing.
+    """What to drive at a time: sample `index` and the share of the way to the next one, and all columns of numbers there, None for nothing.
 
     action: `nothing`: no trajectory may be driven, and the layer below has to know what to do; `drive`: the driving trajectory of the newest
     decision; `fallback`: the emergency trajectory that was stored last. number: of the cycle that it is from.
@@ -114,7 +114,7 @@ class Executing:
     def _sampled(
         self, source: Message, group: str, now: float, action: str, why: str, number: int
     ) -> Setpoint:
-        """A trajectory at a time, straight between samples; before its first sample, that one."""
+        """A trajectory at a time, straight between samples; before its first sample, that one. A member stays until the next sample is due."""
         due = source.column(group, "due")
         i = 0
         while i + 2 < len(due) and due[i + 1] <= now:
@@ -125,6 +125,9 @@ class Executing:
         sample = {}
         for name in self._layout.plan:
             before, after = source.column(group, name)[i : i + 2]
+            if name in self._layout.plan_members:  # between two there is none
+                sample[name] = before if share < 1.0 else after
+                continue
             step = after - before
             if name == "heading":
                 step = math.remainder(step, math.tau) if math.isfinite(step) else math.nan

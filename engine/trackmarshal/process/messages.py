@@ -310,6 +310,9 @@ class Layout:
         self.states: list[str] = said["states"]
         self.rules: list[str] = [rule["name"] for rule in said["rules"]]
         self.plan: list[str] = said["plan"]
+        planned = self.kinds["decision"].entries
+        #: Those of which the numbers are places of an enumeration's members.
+        self.plan_members = frozenset(name for name in self.plan if planned[f"driving.{name}"].members)
         self.lines: list[tuple[str, str]] = [(line["signal"], line["field"]) for line in said["lines"]]
         self.period: float = said["period"]
         self.silence: float = said["silence"]

@@ -99,6 +99,7 @@ def _context(
         groups.append(_bordered(signal, given.signals[signal.name], made))
     numbers = [field for field in groups[0]["fields"] if not field["flag"]]
     heading = [field["name"] for field in numbers].index("heading")
+    members = [k for k, field in enumerate(given.contract.plan.numbers) if field.members]
     plan_t = next(field["c"] for field in numbers if field["name"] == "t")
     tables = []
     for name, c_name in source.plan.tables.items():
@@ -112,7 +113,7 @@ def _context(
         "signals": [*map(_word, made.signals)], "fields": ["", *map(_word, made.fields[1:])], "faults": list(FAULT_NAMES),
         "rules": [_word(code.rule.name) for code in source.rules], "states": list(STATES),
         "plan": [_word(field["name"]) for field in numbers], "plan_fields": groups[0]["fields"], "numbers": numbers,
-        "heading": heading, "plan_t": plan_t, "given": groups, "said": SAID, "whys": WHYS,
+        "heading": heading, "members": members, "plan_t": plan_t, "given": groups, "said": SAID, "whys": WHYS,
         "events": [{"c": given.signals[s.name], "group": f"in_{given.signals[s.name]}"} for s in given.events],
         "every_line": [{"slot": slot, "signal": c, "c": member} for slot, (_, _, c, member) in enumerate(made.lines)],
         "limits": [(name, _c(limits[name])) for name in LIMITS],
