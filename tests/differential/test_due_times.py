@@ -78,8 +78,8 @@ def test_samples_are_due_by_the_stamp(begin: float, served: Served) -> None:
     assert message is not None
     assert message["safe"] == 1
     due = [t + stamp for t in driving["t"]]
-    assert message.column("driving", "due").tolist() == due
-    assert message.column("fallback", "due").tolist() == [t + stamp for t in emergency["t"]]
+    assert message.due("driving").tolist() == due
+    assert message.due("fallback").tolist() == [t + stamp for t in emergency["t"]]
     assert executing.hear(message.data) == "none"
     for later in (0.0, 0.02, 0.1):
         found = executing.at(stamp + later)

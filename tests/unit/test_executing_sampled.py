@@ -30,6 +30,9 @@ class Said:
     def column(self, group: str, name: str) -> list[float]:
         return self._columns[name]
 
+    def due(self, group: str) -> list[float]:
+        return self._columns["due"]
+
 
 def sampled(now: float, due: list[float], x: list[float], heading: list[float]) -> Setpoint:
     layout: Any = SimpleNamespace(silence=1.0, plan=("x", "heading"), plan_members=frozenset())
@@ -74,11 +77,11 @@ def test_headings_go_the_shorter_way_round(before: float, after: float) -> None:
     assert math.cos(found.sample["heading"]) == pytest.approx(-1.0)
 
 
-#: A plan with a member: what a drone is about.
+#: A plan with a member, what a drone is about, and with columns that are called as what messages have of their own.
 LANDS = """
 module lands
 enum intent { climb, hover, land }
-signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s, intent: intent }
+signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s, intent: intent, due: s, count: 1 }
 signal ego : state { x: m, y: m, heading: rad, v: m/s }
 rule fast for all p in plan require p.v <= 60 m/s
 """
@@ -108,6 +111,8 @@ def decision(layout: Layout) -> bytes:
         kind.put(message, f"{group}/due", list(DUE))
         kind.put(message, f"{group}.x", [10.0 * t for t in DUE])
         kind.put(message, f"{group}.intent", list(INTENTS))
+        kind.put(message, f"{group}.due", [5.0] * len(DUE))
+        kind.put(message, f"{group}.count", [7.0] * len(DUE))
     layout.seal(message, kind, 1, 1, -1.0)
     return bytes(message)
 
@@ -124,7 +129,9 @@ def test_no_member_is_between_two() -> None:
     for now, (intent, x) in ABOUT.items():
         found = executing.at(now).sample
         assert found is not None
-        assert (found["intent"], found["x"]) == (intent, pytest.approx(x))
+        assert found["intent"] == intent
+        assert found["x"] == pytest.approx(x)
+        assert (found["due"], found["count"]) == (5.0, 7.0)
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -134,4 +141,6 @@ def test_no_member_is_between_two_in_c(tmp_path: Path) -> None:
     assert lines[0].split()[3] == "none", lines
     for line, (intent, x) in zip(lines[1:-1], ABOUT.values(), strict=True):
         sample = dict(zip(layout.plan, map(as_double, line.split()[6:]), strict=True))
-        assert (sample["intent"], sample["x"]) == (intent, pytest.approx(x)), line
+        assert sample["intent"] == intent, line
+        assert sample["x"] == pytest.approx(x), line
+        assert (sample["due"], sample["count"]) == (5.0, 7.0), line

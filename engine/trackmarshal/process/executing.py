@@ -93,7 +93,7 @@ class Executing:
             why = OUTDATED
         elif self._left:
             why = LEFT
-        elif newest["driven"] == 1 and not now <= newest.column("driving", "due")[-1]:
+        elif newest["driven"] == 1 and not now <= newest.due("driving")[-1]:
             why = ENDED
         if why:
             # A clock that was read just before the decision came leaves nothing: it is driven from its own time on.
@@ -107,7 +107,7 @@ class Executing:
 
     def _fall_back(self, now: float, why: str) -> Setpoint:
         stored = self._fallback
-        if stored is None or not now <= stored.column("fallback", "due")[-1]:
+        if stored is None or not now <= stored.due("fallback")[-1]:
             return Setpoint(NOTHING, why)
         return self._sampled(stored, "fallback", now, FALLBACK, why, stored["stored_number"])
 
@@ -115,7 +115,7 @@ class Executing:
         self, source: Message, group: str, now: float, action: str, why: str, number: int
     ) -> Setpoint:
         """A trajectory at a time, straight between samples; before its first sample, that one. A member stays until the next sample is due."""
-        due = source.column(group, "due")
+        due = source.due(group)
         i = 0
         while i + 2 < len(due) and due[i + 1] <= now:
             i += 1

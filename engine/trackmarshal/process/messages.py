@@ -378,9 +378,12 @@ class Message:
         return self.kind.get(self.data, name)
 
     def column(self, group: str, name: str) -> Any:
-        """(count,) of a column of `driving` or `fallback`; `due`: s, when each sample is due."""
-        own = "/" if name in ("due", "count") else "."
-        return self[f"{group}{own}{name}"][: self[f"{group}/count"]]
+        """(count,) of a column of `driving` or `fallback`, of which one may be called `due` or `count`."""
+        return self[f"{group}.{name}"][: self[f"{group}/count"]]
+
+    def due(self, group: str) -> Any:
+        """(count,) s, when each sample of `driving` or `fallback` is due."""
+        return self[f"{group}/due"][: self[f"{group}/count"]]
 
     def sound(self) -> bool:
         """Whether what is in it can be; C says the same of it."""
