@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import math
 import struct
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,11 @@ from support.cycles import PERIOD, SPEED, cycle
 from support.schemas import hold
 from support.supervised import ROOT, shipped
 from trackmarshal.cli.main import main
+from trackmarshal.cli.record import told
 from trackmarshal.cli.replay import overruled, summary
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.runtime.record.arrow import END, layout_of
+from trackmarshal.runtime.record.decided import Difference
 from trackmarshal.runtime.record.reading import read
 from trackmarshal.scenarios import content
 from trackmarshal.scenarios.faults.campaign import Bench
@@ -292,7 +295,7 @@ def test_another_spec_is_noted_and_its_differences_shown(
     status, out, err = replay(capsys, str(record), "--spec", str(folder))
     assert status == 1
     assert "another spec was in force" in err
-    assert "margins.driving" in out
+    assert ", margin of speed_limit of driving: recorded " in out
 
 
 def test_whatever_reads_a_record_says_that_another_spec_was_in_force(
@@ -508,3 +511,32 @@ def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:
     with pytest.raises(TrackmarshalError) as caught:
         tm.load_recording(path)
     assert caught.value.code == "D130"
+
+
+@pytest.mark.parametrize(
+    ("column", "old", "new", "said"),
+    [
+        ("verdicts.driving", "siu", "svu", ["b of driving: recorded inactive, now violated"]),
+        (
+            "margins.emergency",
+            np.array([1.0, math.inf, math.nan]),
+            [-0.5, math.inf, 2.0],
+            [
+                "margin of a of emergency: recorded 1.0, now -0.5",
+                "margin of c of emergency: recorded nan, now 2.0",
+            ],
+        ),
+        ("verdicts.driving", "", "svu", ["verdicts.driving: recorded '', now 'svu'"]),  # it was not judged
+        ("violations", '[{"rule": "c"}, {"rule": "c"}]', "[]", ["violations: recorded c, now nothing"]),
+        (
+            "violations",
+            '[{"rule": "c"}]',
+            '[{"rule": "b"}, {"rule": "c"}]',
+            ["violations: recorded c, now b, c"],
+        ),
+        ("state", "drive", "previous_emergency", ["state: recorded 'drive', now 'previous_emergency'"]),
+    ],
+)
+def test_a_difference_names_its_rules(column: str, old: Any, new: Any, said: list[str]) -> None:
+    """Letters and arrays stood there, cut off where they are long: which rule it was, nobody could tell."""
+    assert told(Difference(9, 0.9, column, old, new), ["a", "b", "c"]) == said

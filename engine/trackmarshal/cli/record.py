@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from collections import Counter
@@ -13,6 +14,7 @@ from trackmarshal.cli.output import dump, number, progress, rule_json, say
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.files import read_regular
 from trackmarshal.runtime.faults import Fault
+from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.units import moment
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 
 #: Differences that the text shows.
 SHOWN = 10
+#: A verdict by its letter in a record.
+_VERDICT = dict(zip("svuio", VERDICTS, strict=True))
 
 
 def is_record(path: str) -> bool:
@@ -75,7 +79,8 @@ def replay_record(
                 print(line)
     else:
         began = None if begin is None else start
-        say(*_summary(path, run, decisions, found, first, began))
+        rules = [rule.name for rule in box.evaluator.rules]
+        say(*_summary(path, run, decisions, found, first, began, rules))
     return 1 if found or run.missed or run.damage or not decisions else 0
 
 
@@ -114,8 +119,9 @@ def _summary(
     found: Sequence[Difference],
     first: int,
     began: int | None,
+    rules: Sequence[str],
 ) -> list[str]:
-    """first: the place of the first decision; began: that of the first cycle that was run again, where one was asked for."""
+    """first: the place of the first decision; began: that of the first cycle that was run again, where one was asked for; rules: those that were judged."""
     counts = Counter(decision.action for decision in decisions)
     ending = "" if run.ended else f"; not closed, {run.rest} bytes behind the last whole cycle"
     lines = [
@@ -148,12 +154,36 @@ def _summary(
         ]
     places = {difference.place for difference in found}
     lines.append(f"{len(places)} cycles were decided otherwise:")
-    for difference in found[:SHOWN]:
-        lines.append(
-            f"  cycle {difference.place} at {moment(difference.t)} s, {difference.column}: recorded {difference.recorded!r:.60}, "
-            f"now {difference.now!r:.60}"
+    shown = [
+        f"  cycle {difference.place} at {moment(difference.t)} s, {said}"
+        for difference in found[: SHOWN + 1]
+        for said in told(difference, rules)
+    ]
+    return [*lines, *shown[:SHOWN], *(["  ..."] if len(shown) > SHOWN else [])]
+
+
+def told(difference: Difference, rules: Sequence[str]) -> list[str]:
+    """What was recorded and what is, of verdicts and margins by rule: nobody counts letters. Margins that differ in nothing but how NaN is written, and
+    columns that are not of these rules, are told as they stand."""
+    column, _, candidate = difference.column.partition(".")
+    old, new, said = difference.recorded, difference.now, list[str]()
+    if column in ("verdicts", "margins") and len(old) == len(new) == len(rules):
+        about = "" if column == "verdicts" else "margin of "
+        was, now = (
+            [_VERDICT[x] if column == "verdicts" else repr(float(x)) for x in each] for each in (old, new)
         )
-    return [*lines, *(["  ..."] if len(found) > SHOWN else [])]
+        said = [
+            f"{about}{name} of {candidate}: recorded {a}, now {b}"
+            for name, a, b in zip(rules, was, now)
+            if a != b
+        ]
+    elif column == "violations":
+        named = [
+            ", ".join(dict.fromkeys(one["rule"] for one in json.loads(each))) or "nothing"
+            for each in (old, new)
+        ]
+        said = [f"violations: recorded {named[0]}, now {named[1]}"] if named[0] != named[1] else []
+    return said or [f"{difference.column}: recorded {old!r:.60}, now {new!r:.60}"]
 
 
 def _lines(path: str, decision: Decision, rules: Sequence[RuleInfo], same: bool) -> list[str]:
