@@ -164,6 +164,55 @@ def test_samples_beyond_the_capacity_are_refused_not_guessed() -> None:
         )
 
 
+def signs(text: str) -> Any:
+    """A number a sample, by its sign."""
+    return np.array([1.0 if one == "+" else -1.0 for one in text])
+
+
+@pytest.mark.parametrize(
+    ("operator", "p", "q", "expected"),
+    [
+        # Between where a window begins and where q holds, p fails; what is new in the window is put together by itself.
+        ("until", "++++-+++", "------+-", "-----++-"),
+        ("until", "++++++++", "----+---", "-++++---"),
+        ("since", "+-+-+-++++", "++--+-----", "+++-+-----"),
+        ("since", "+++-++++++", "++--------", "+++-------"),
+    ],
+)
+def test_what_fails_on_the_way_is_on_the_way_of_all_that_is_beyond_it(
+    operator: str, p: str, q: str, expected: str
+) -> None:
+    """By hand: in windows of 3 s, samples a second, of which each leaves as another one comes."""
+    rules = "".join(
+        f'rule all_{op} "made up"\n  along log as p\n  require (p.p > 0) {op}[0 s, 3 s] (p.q > 0)\n'
+        for op in ("until", "since")
+    )
+    spec = compiled(HEAD + rules)
+    log = {"t": np.arange(len(p)) * 1.0, "p": signs(p), "q": signs(q)}
+    outcomes, _ = Monitors(spec, spec.rules, 64).run(f"all_{operator}", log)
+    assert outcomes["margin"].tolist() == signs(expected).tolist()
+    assert (outcomes["verdict"] == 0).tolist() == (signs(expected) > 0).tolist()
+
+
+@pytest.mark.parametrize(("window", "fits"), [("[0 s, 10 s]", False), ("", True)])
+def test_what_a_window_back_still_asks_for_is_not_overwritten(window: str, fits: bool) -> None:
+    """Of 100 samples in 10 s, in a ring of 64, more are refused; without a beginning, none is asked for again."""
+    texts = (f"historically{window} (p.p > 0)", f"once{window} (p.p < 0)")
+    texts = (*texts, f"(p.p > -9) since{window} (p.p < 0)")
+    rules = "".join(
+        f'rule r{i} "made up"\n  along log as p\n  require {text}\n' for i, text in enumerate(texts)
+    )
+    spec, p = compiled(HEAD + rules), np.where(np.arange(200) == 3, -1.0, 1.0)
+    monitors = Monitors(spec, spec.rules, 64)
+    for name, holds in (("r0", np.arange(200) < 3), ("r1", np.arange(200) >= 3), ("r2", np.arange(200) >= 3)):
+        log = {"t": np.arange(200) * 0.1, "p": p}
+        if fits:
+            assert (monitors.run(name, log)[0]["verdict"] == 0).tolist() == holds.tolist()
+        else:
+            with pytest.raises(TrackmarshalError, match="E473"):
+                monitors.run(name, log)
+
+
 def test_memory_does_not_grow_with_the_timeline() -> None:
     """A window of 30 samples in a ring of 64, over 20,000 samples."""
     spec = compiled(
