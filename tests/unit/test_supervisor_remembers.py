@@ -13,13 +13,13 @@ from trackmarshal.backends.c import step
 from trackmarshal.backends.c.capacities import of_limits
 from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.errors import TrackmarshalError
-from trackmarshal.evaluation import loads
+from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime import supervisor as parts
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
 from trackmarshal.runtime.saving import whole
 from trackmarshal.runtime.supervisor import Supervisor
-from trackmarshal.supervision import supervisor
+from trackmarshal.supervision import rulebox, supervisor
 
 SIGNALS = """module m
 signal plan : trajectory { t: s increasing, x: m, y: m, heading: rad, v: m/s in [-10, 150] }
@@ -117,6 +117,21 @@ def test_cycles_that_were_lost_count_by_their_numbers(backend: str, saved: bool)
             rig.supervisor.restore(lines)
         said = {one.rule for one in rig.step().advisories if one.verdict == "undefined"}
         assert said == {f"few_{most}" for most in range(missing)}
+
+
+@pytest.mark.parametrize("backend", [*BACKENDS, "c in Python"])
+def test_as_many_cycles_are_lost_as_numbers_tell_apart(backend: str) -> None:
+    """All of 64 bits: with one that is refused, and one more, they are 1 where they are counted in as many."""
+    rules = 'rule few "" require count(flag) <= 3\n'
+    rig = Rig(rules, backend.removesuffix(" in Python"), at=(0.0, -(2**63)))
+    if backend == "c in Python":
+        box = rulebox(Evaluator(loads(SIGNALS + rules), None, "c"))
+        rig.supervisor = box.supervisor(Limits(), lambda: rig.now)
+    assert rig.step(flag=True).safe
+    for number, refused in ((2**63 - 3, "skipped"), (-1, "out_of_order")):
+        rig.number = number
+        assert [name_of(fault) for fault in rig.step(flag=True).faults] == [refused]
+        assert {one.verdict for one in rig.step(flag=True).violations} == {"undefined"}
 
 
 @pytest.mark.parametrize(
