@@ -169,6 +169,19 @@ def test_violations_that_are_not_those_of_the_verdicts(unsafe: frozenset[tuple[s
         refused(run.step(), "violations")
 
 
+def test_a_list_of_violations_that_nobody_made_is_no_verdict() -> None:
+    """Where who lists them ends before it does, none is there, and nothing says so: what the verdicts say counts."""
+    run = Run()
+    run.oracle.unsafe = {("driving", "friction")}
+
+    def half(_: Supervisor, opened: Any, admission: Any, judged: Judged, closing: Any) -> None:
+        closing.judged, closing.finished = judged, opened.now
+
+    with mock.patch.object(Supervisor, "_rate", half):
+        decision = run.step()
+    assert (decision.safe, decision.driven, decision.violations) == (False, None, ())
+
+
 # Single rules ---------------------------------------------------------------------------------------------------
 
 RULES = [rule.name for rule in Oracle().rules]
