@@ -26,7 +26,7 @@ def unpack(data: bytes, file: SourceFile) -> ast.Module:
     """The tree of a file; raises ValueError where the data is no tree of it."""
     try:
         tree = _node(json.loads(data), file)
-    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+    except (ValueError, TypeError, LookupError, RecursionError) as error:
         raise ValueError("no tree") from error
     if not isinstance(tree, ast.Module) or tree.span.end != len(file.text):
         raise ValueError("no tree of this file")
