@@ -75,6 +75,8 @@ def test_all_say_the_same_of_every_cycle(formula: str) -> None:
         ("once[0 s, 9 s] (next o.v > 0)", "++++---"),
         ("once (next o.v > 0)", "++++---"),
         ("((next o.v > -9) since[0 s, 9 s] (next o.v > 0))", "+++----"),
+        ("((o.v > -9) since[0 s, 9 s] (next o.v > 0))", "++++---"),
+        ("((o.v > -9) since (next o.v > 0))", "++++---"),
         ("count(next o.v > 0, last: 9 s) >= 1", "++++---"),
         ("(previous (weak next o.v > 0))", "-++----"),
         ("(next o.v < 0)", "--+-+++"),
@@ -114,3 +116,45 @@ def test_a_cycle_that_was_missed_is_in_the_windows_that_hold_more_than_its_neigh
         found |= {one.cycle: one.verdict for one in about if one.final}
     expected = {t: "undefined" if t in unknown else "satisfied" for t in (0, 1, 3, 4)}
     assert {t: found[t] for t in expected} == expected
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+def test_each_cycle_of_a_long_run_has_what_is_said_of_it_and_of_no_other(backend: str) -> None:
+    """They are kept in a ring, in which the first comes after the last: what stood there was of another cycle."""
+    chosen = random.Random(3)
+    held = [chosen.random() < 0.4 for _ in range(40)]
+    text = 'module m\nsignal s : state { x: 1 }\nrule f "x"\n  require (next s.x > 0)\n'
+    evaluator = Evaluator(loads(text), backend=backend)
+    run, found = evaluator.over_run(), dict[object, str]()
+    for k, holds in enumerate(held):
+        read = evaluator.read({"id": k, "t": k, "signals": {"s": {"x": 1 if holds else -1}}})
+        found |= {one.cycle: one.verdict for one in run.step(read).rules["f"].about if one.final}
+    assert list(found.values()) == ["satisfied" if holds else "violated" for holds in held[1:]]
+
+
+Row = tuple[int, str, bool]
+
+
+@pytest.mark.parametrize("backend", ["reference", "numpy", "c"])
+@pytest.mark.parametrize(
+    ("whenever", "required", "first", "second"),
+    [
+        # That it does not apply is sure, whatever comes of what it would require.
+        ("s.z > 0", "eventually[0 s, 2 s] s.x > 0", [(0, "inactive", True)], [(1, "satisfied", False)]),
+        # What is required holds; whether it was required is open.
+        ("(next s.z > 0)", "s.x < 0", [(0, "open", False)], [(1, "open", False), (0, "satisfied", True)]),
+        ("(next s.z < 0)", "s.x < 0", [(0, "open", False)], [(1, "open", False), (0, "inactive", True)]),
+        ("(next s.z > 0)", "s.x > 0", [(0, "open", False)], [(1, "open", False), (0, "violated", True)]),
+    ],
+)
+def test_what_is_said_of_a_cycle_in_which_a_rule_may_not_apply(
+    backend: str, whenever: str, required: str, first: list[Row], second: list[Row]
+) -> None:
+    text = f'module m\nsignal s : state {{ x: 1, z: 1 }}\nrule f "x"\n  whenever {whenever}\n  require {required}\n'
+    evaluator = Evaluator(loads(text), backend=backend)
+    run, found = evaluator.over_run(), list[list[Row]]()
+    for t, sign in enumerate((-1, 1)):
+        read = evaluator.read({"id": t, "t": t, "signals": {"s": {"x": sign, "z": sign}}})
+        about = run.step(read).rules["f"].about
+        found.append([(int(str(one.cycle)), one.verdict, one.final) for one in about])
+    assert found == [first, second]
