@@ -266,6 +266,23 @@ def test_what_is_known_of_elements_is_not_that_of_others_of_the_planner_before(a
         client.close()
 
 
+def test_what_is_known_of_elements_lasts_through_a_cycle_that_is_refused() -> None:
+    """Who was not in that one is not gone: the process has not looked at it. Under another number, what it had done before was nobody's."""
+    spec, now = tm.loads(SEEN), 0.0
+    plan = {"t": [0.0, 1.0, 2.0], "x": [0.0, 5.0, 7.0], "y": [0.0] * 3, "heading": [0.0] * 3, "v": [10.0, 5.0, 0.0]}  # fmt: skip
+    ego = {name: plan[name][0] for name in ("x", "y", "heading", "v")}
+    rules, limits = list(spec.rules), replace(Limits.of(spec), budget=1e3)
+    with Served(build(spec, rules, limits)) as served:
+        client = Client(served.program.layout, served.channel(), lambda: now)
+        remote = RemoteSupervisor(spec, rules, client, limits, clock=lambda: now, patience=PATIENCE)
+        for number, (driving, speeds, safe) in enumerate([(plan, {"a": 9.0}, True), (None, {}, False), (plan, {"a": 0.0}, True)]):  # fmt: skip
+            now = number * PERIOD
+            objects = {"id": list(speeds), "v": list(speeds.values())}
+            decision = remote.step(Cycle(number, now, driving, plan, {"ego": ego, "objects": objects}))
+            assert decision.safe == safe, decision.reasons
+        remote.close()
+
+
 @BOTH
 @pytest.mark.parametrize("where", ["send", "receive"])
 def test_a_step_that_is_stopped_behind_its_cycle_is_missing_in_the_record(
