@@ -1195,6 +1195,28 @@ def test_a_supervisor_that_hangs() -> None:
         rig.close()
 
 
+@pytest.mark.parametrize("udp", [False, True], ids=["shared memory", "datagrams"])
+def test_a_supervisor_that_hears_nothing_lives_and_says_that_a_cycle_is_missing(udp: bool) -> None:
+    """In real time, by itself: whoever executes takes it for dead 0.05 s after its last sign of life, and cycles come less often than that."""
+    spec = tm.loads(SEEN)
+    made = build(spec, list(spec.rules), replace(Limits.of(spec), budget=1e3))
+    with Served(made, udp, simulated=False) as served:
+        client = Client(made.layout, served.channel())
+        sequence, until = client.send(0, time.monotonic(), None, None, {}), time.monotonic() + PATIENCE
+        beats, found = set[int](), dict[int, list[str]]()
+        while len(beats) < 3 or 0 not in found:
+            message = client.hear(PATIENCE)
+            assert message is not None
+            assert time.monotonic() < until
+            if message.kind.name == "beat":
+                beats.add(message.head.sequence)
+            else:
+                found[message["about_sequence"]] = faults(message)
+        assert found[0] == ["missing_cycle"]
+        assert found.keys() <= {0, sequence}
+        client.close()
+
+
 def test_it_ends_when_it_is_told_to() -> None:
     with Served(built()) as served:
         served.process.terminate()
