@@ -64,6 +64,8 @@ PROBE = """
 #include "client.h"
 #include "desk.h"
 void (*probe_hook)(void) = NULL;
+void (*probe_stored)(void) = NULL;
+void probe_store(void) { if (probe_stored != NULL) { probe_stored(); } }
 void probe_fence(int order) { (void)order; if (probe_hook != NULL) { probe_hook(); } }
 size_t probe_desk(void) { return sizeof(tml_desk); }
 size_t probe_client(void) { return sizeof(tml_client); }
@@ -95,7 +97,13 @@ bool probe_serve(const char *name) {
   return true;
 }
 """
-FENCED = "void probe_fence(int);\n#define __atomic_thread_fence(order) probe_fence(order)\n"
+FENCED = """
+void probe_fence(int);
+void probe_store(void);
+#define __atomic_thread_fence(order) probe_fence(order)
+#define __atomic_store_n(at, value, order) (probe_store(), __atomic_store_n(at, value, order))
+#define __atomic_add_fetch(at, value, order) (probe_store(), __atomic_add_fetch(at, value, order))
+"""
 #: Before the desk: what it counts by has 32 bits, as on a smaller machine; all that others count by too is declared by then.
 NARROW = """
 #define _POSIX_C_SOURCE 200809L
@@ -871,6 +879,28 @@ def test_a_message_is_whole_before_it_is_the_newest(c: C, boxed: tuple[Memory, R
         assert reading.get("tick", k - 1) == (k, message)
         before[k % 2] = message
     assert seen == []
+
+
+def test_the_newest_message_is_whole_at_any_time_and_the_bell_rings_last(
+    c: C, boxed: tuple[Memory, Region]
+) -> None:
+    """Who looked between two words saw a message that was not whole yet, or slept on as it came: it was lost, or as late as the next one."""
+    region, reading = boxed
+    box, at, seen = reading._boxes["tick"], c.box("cycles", "tick"), list[tuple[bool, int]]()
+
+    def look() -> None:
+        newest = reading.latest("tick")
+        turn = reading._words[(box["first"] + newest % box["slots"] * box["step"]) // 8]
+        seen.append((turn == 2 * newest, newest - reading.heard))
+
+    kept = c.hooked(look, "probe_stored")
+    for k in range(1, 4):
+        c.dll.tml_put(ctypes.byref(region), at, c.room(bytes([k]) * 48))
+    c.hooked(None, "probe_stored")
+    assert kept is not None
+    # The odd turn, six words, the even turn, which of them is the newest, and the bell: what came before each.
+    assert seen == [*[(True, 0)] * 9, (True, 1)] * 3
+    reading.close()
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere, nobody sleeps")

@@ -1294,6 +1294,40 @@ def test_a_slot_that_is_written_while_it_is_read_is_not_taken(tmp_path: Path) ->
     reading.close()
 
 
+class Told:
+    """A part of memory that tells of what is written into it, in order."""
+
+    def __init__(self, part: Any, name: str, told: list[tuple[str, Any]]) -> None:
+        self.part, self.name, self.told = part, name, told
+
+    def __getitem__(self, place: Any) -> Any:
+        return self.part[place]
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        self.told.append((self.name, place))
+        self.part[place] = value
+
+
+def test_a_message_is_whole_before_it_is_the_newest_and_the_bell_rings_last(tmp_path: Path) -> None:
+    """From Python, too: who looked between two writes lost it, or slept on as it came."""
+    writing, reading = mailboxes(tmp_path)
+    box, told = reading._boxes["tick"], list[tuple[str, Any]]()
+    length, slot = reading._lengths[box["message"]], box["first"] + box["step"]
+    names = ("_words", "_bytes", "_halves")
+    own = [getattr(writing, name) for name in names]
+    for name, part in zip(names, own):
+        setattr(writing, name, Told(part, name, told))
+    writing.put("tick", bytearray(length))
+    assert told == [
+        ("_words", slot // 8), ("_bytes", slice(slot + 64, slot + 64 + length)), ("_words", slot // 8), ("_words", box["place"] // 8),
+        ("_halves", writing._bell),
+    ]  # fmt: skip
+    for name, part in zip(names, own):
+        setattr(writing, name, part)
+    writing.close()
+    reading.close()
+
+
 def test_the_bell_begins_anew(tmp_path: Path) -> None:
     """After 2^32 messages, in 32 bits: 7 years of 20 cycles a second."""
     writing, reading = mailboxes(tmp_path)
