@@ -15,6 +15,7 @@ import subprocess
 import sys
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import asdict, replace
@@ -63,12 +64,14 @@ LIMITS = Limits(samples=8, elements=3, border=4, budget=1e9)
 PROBE = """
 #include "client.h"
 #include "desk.h"
+#include "executing.h"
 void (*probe_hook)(void) = NULL;
 void (*probe_stored)(void) = NULL;
 void probe_store(void) { if (probe_stored != NULL) { probe_stored(); } }
 void probe_fence(int order) { (void)order; if (probe_hook != NULL) { probe_hook(); } }
 size_t probe_desk(void) { return sizeof(tml_desk); }
 size_t probe_client(void) { return sizeof(tml_client); }
+size_t probe_executing(void) { return sizeof(tml_executing); }
 const unsigned char *probe_out(const tml_desk *desk) { return desk->out.bytes; }
 uint64_t probe_refused(const tml_client *client, size_t cause) { return client->refused[cause]; }
 """
@@ -114,7 +117,7 @@ NARROW = """
 #include "messages.h"
 #define size_t uint32_t
 """
-UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "supervisor.c", "probe.c", "serve.c")
+UNITS = ("messages.c", "mailbox.c", "client.c", "desk.c", "executing.c", "supervisor.c", "probe.c", "serve.c")
 FETCH = ctypes.CFUNCTYPE(
     ctypes.c_bool, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.POINTER(ctypes.c_size_t)
 )
@@ -143,7 +146,8 @@ class C:
         files["desk.c"] = (NARROW if narrow else "") + files["desk.c"]
         flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
         self.dll: Any = ctypes.CDLL(str(_built(files, [*UNITS, "-lm"], flags, "so")))
-        self.dll.probe_desk.restype = self.dll.probe_client.restype = ctypes.c_size_t
+        for name in ("probe_desk", "probe_client", "probe_executing"):
+            getattr(self.dll, name).restype = ctypes.c_size_t
         self.dll.probe_out.restype = ctypes.c_void_p
         for name, kinds in {
             "tml_desk_start": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_bool, ctypes.c_void_p],
@@ -153,6 +157,7 @@ class C:
             "tml_client_memory_of": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_int, ctypes.c_void_p],
             "probe_serve": [ctypes.c_char_p], "tml_client_tick": [ctypes.c_void_p], "tml_client_hear": [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p],
             "tml_client_answer": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_double, ctypes.c_char_p],
+            "tml_executing_start_of": [ctypes.c_void_p, ctypes.c_uint64, ctypes.c_size_t, ctypes.c_double, ctypes.c_bool],
         }.items():  # fmt: skip
             getattr(self.dll, name).argtypes = kinds
             getattr(self.dll, name).restype = ctypes.c_bool
@@ -167,6 +172,9 @@ class C:
         self.dll.tml_client_close.argtypes = [ctypes.c_void_p]
         self.dll.tml_look.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_bool]
         self.dll.tml_sound.argtypes = [ctypes.c_char_p]
+        self.dll.tml_executing_hear.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_size_t]
+        self.dll.tml_crc.restype = ctypes.c_uint32
+        self.dll.tml_crc.argtypes = [ctypes.c_uint32, ctypes.c_char_p, ctypes.c_size_t]
         self.sizes = {file["name"]: file["size"] for file in self.layout.said["memory"]["files"]}
 
     def box(self, file: str, name: str) -> int:
@@ -790,6 +798,32 @@ def test_a_sender_has_a_session_a_count_and_a_clock(session: int, sequence: int,
         assert c.dll.tml_look(c.room(data), len(data), name == "tick") == 0
         assert c.layout.causes[c.dll.tml_sound(c.room(data))] == "content"
         assert name == "tick" or c.layout.look(data, up=False)[0] == "content"
+
+
+def test_a_crc_is_that_of_zlib(c: C) -> None:
+    """Of any number of bytes, and going on from what stood before them."""
+    data = bytes(range(3, 40))
+    for count in range(len(data)):
+        assert c.dll.tml_crc(0, data, count) == zlib.crc32(data[:count])
+        assert c.dll.tml_crc(0x1234_5678, data, count) == zlib.crc32(data[:count], 0x1234_5678)
+
+
+@pytest.mark.parametrize("real", [True, False])
+def test_decisions_in_simulated_time_and_those_of_a_car_are_told_apart_in_c_too(real: bool, c: C) -> None:
+    """A car takes none that somebody simulates, nor a sign of life, and takes its own; and the other way round."""
+    desk, planner = Desk(c, simulated=not real), Planner(c.layout)
+    *_, cycle = planner.cycle(0)
+    said = [desk.take(cycle[1])[1], desk.beat()]
+    memory = ctypes.create_string_buffer(c.dll.probe_executing() + 64)
+    at = (ctypes.addressof(memory) + 63) & ~63
+    for car in (True, False):
+        own = c.layout.fingerprint, c.dll.probe_executing()
+        assert c.dll.tml_executing_start_of(at, *own, c.layout.silence, not car)
+        python = Executing(c.layout, simulated=not car)
+        for message in said:
+            assert message is not None
+            cause = c.layout.causes[c.dll.tml_executing_hear(at, c.room(message.data), len(message.data))]
+            assert cause == python.hear(bytes(message.data)) == ("none" if car == real else "content")
 
 
 # Mailboxes --------------------------------------------------------------------------------------------------------------
