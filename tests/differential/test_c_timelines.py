@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 import random
 from collections import Counter
@@ -128,3 +129,25 @@ def test_a_car_that_leaves_the_road_is_as_far_out_as_in_the_end(steps: list[floa
         for one in made.case({"signals": signals}).rules.values():
             assert one.verdict == "violated"
             assert one.margin == pytest.approx(-52.0)
+
+
+def test_what_is_nearer_counts_however_little_nearer_it_is() -> None:
+    """The right border by 0.02 mm, against the line where the road begins, which is looked at first. Of borders of 6 km, short numbers tell less apart:
+    these leave out what is farther than they may be wrong by."""
+    r, ahead = random.Random(5), 0.7 - math.pi
+    cases = []
+    for _ in range(60):
+        origin = complex(r.uniform(-500.0, 500.0), r.uniform(-500.0, 500.0))
+
+        def placed(u: float, v: float, origin: complex = origin) -> list[float]:
+            place = origin + complex(u, v) * cmath.rect(1.0, ahead)
+            return [place.real, place.imag]
+
+        left, right = ([placed(u, v) for u in (-3.00002, 100.0, 3000.0, 6000.0)] for v in (4.0, -2.0))
+        x, y = zip(*(placed(0.5 * k, 0.0) for k in range(4)))
+        plan = {"t": [0.1 * k for k in range(4)], "x": x, "y": y, "heading": [ahead] * 4, "kappa": [0.0] * 4}
+        cases.append({"signals": {"plan": plan, "track": {"left": left, "right": right}}})
+    made = evaluators()["c"]
+    for one in made.evaluate(made.read_all(cases)):
+        for rule in one.rules.values():
+            assert rule.margin == pytest.approx(1.0, abs=1e-7)
