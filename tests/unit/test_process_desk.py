@@ -247,6 +247,63 @@ def test_words_of_shared_memory_are_atomic_on_32_bits(tmp_path: Path) -> None:
     assert dll.aligned() == 8
 
 
+#: As machines of 32 bits have it whose times have 64 (musl; glibc with _TIME_BITS=64): seconds are twice as long as what their kernel reads.
+LONG_SECONDS = """
+#define _DEFAULT_SOURCE
+#define _POSIX_C_SOURCE 200809L
+#include "mailbox.h"
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+struct long_seconds { __int128 tv_sec; long tv_nsec; };
+static long most[2];
+static long asked(long number, ...) {
+  va_list given;
+  va_start(given, number);
+  (void)va_arg(given, void *);
+  (void)va_arg(given, int);
+  (void)va_arg(given, unsigned);
+  (void)memcpy(most, va_arg(given, const void *), sizeof(most));
+  va_end(given);
+  return 0;
+}
+#define time_t __int128
+#define timespec long_seconds
+#define clock_gettime(clock, at) ((at)->tv_sec = 0, (at)->tv_nsec = 0, 0)
+#define nanosleep(time, left) ((void)(time), 0)
+#define syscall asked
+#include "mailbox.c"
+double slept(double seconds) {
+  static uint64_t memory[64];
+  const tml_region region = {(unsigned char *)memory, sizeof(memory)};
+  tml_wait(&region, 0u, seconds, TML_WAIT_SLEEP);
+  return (double)most[0] + (1e-9 * (double)most[1]);
+}
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere, nobody sleeps")
+@pytest.mark.parametrize(("seconds", "most"), [(0.01, 0.01), (0.75, 0.75), (1.0, 1.0), (1e9, 1.0)])
+def test_who_sleeps_where_times_are_longer_than_words_does_so_as_long_as_said(
+    seconds: float, most: float
+) -> None:
+    """The kernel read no time at all, and the process looked all the time, which kept a processor busy: on one with a real-time priority, from all others."""
+    spec = tm.loads(SPEC)
+    source = generate(spec, list(spec.rules), doored=True)
+    made = Emitted(source, asdict(LIMITS))
+    flags = [*EXACT, "-O0", *(f"-D{name}={size}u" for name, size in made.sizes.items()), *SHARED]
+    files = {"supervisor.h": source.header, **made.files, "slept.c": LONG_SECONDS}
+    dll = ctypes.CDLL(str(_built(files, ["slept.c", "-lm"], flags, "so")))
+    dll.slept.restype, dll.slept.argtypes = ctypes.c_double, [ctypes.c_double]
+    assert dll.slept(seconds) == pytest.approx(most, abs=2e-9)
+
+
 def test_nothing_is_kept_but_in_what_a_caller_has(tmp_path: Path) -> None:
     """Desks, clients and executing layers serve a thread each: two desks shared the line that was fetched last, and whoever was first wrote down
     the tables of CRCs, beside those that read them."""
