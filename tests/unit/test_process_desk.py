@@ -28,6 +28,7 @@ import trackmarshal as tm
 from trackmarshal.backends.c.build import EXACT, SHARED, _built, compiler
 from trackmarshal.backends.c.process.emit import Emitted
 from trackmarshal.backends.c.source import generate
+from trackmarshal.process import shared_memory
 from trackmarshal.process.client import Border, Client
 from trackmarshal.process.executing import Executing
 from trackmarshal.process.messages import Layout, LinkError, Message
@@ -1027,6 +1028,24 @@ def test_whoever_sleeps_is_woken(c_sleeps: bool, c: C, boxed: tuple[Memory, Regi
     # Whoever is to wake may come late where much else runs.
     assert any(0.05 < slept() < 0.9 for _ in range(4))
     reading.close()
+
+
+@pytest.mark.parametrize(
+    ("machine", "bits", "number"),
+    [
+        # As the kernel's tables of system calls have it; most of a machine of 64 bits run processes of 32.
+        ("x86_64", 64, 202), ("x86_64", 32, 240), ("i686", 32, 240), ("aarch64", 64, 98), ("aarch64", 32, 240), ("armv7l", 32, 240),
+        ("riscv64", 64, 98), ("ppc64le", 64, 221), ("riscv32", 32, None), ("mips64", 64, None),
+    ],
+)  # fmt: skip
+def test_a_process_sleeps_by_the_call_of_its_own_bits(
+    machine: str, bits: int, number: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Python of 32 bits on a kernel of 64, as on many a Raspberry Pi, called what has this number there: nobody was woken, and who waited looked all the time."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(sys, "maxsize", 2 ** (bits - 1) - 1)
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    assert shared_memory._futex() == number
 
 
 def test_what_is_written_while_it_is_read_is_not_taken(

@@ -17,10 +17,23 @@ from typing import Any
 from .messages import Layout, LinkError
 
 _START = struct.Struct("<IIQQ")
-#: The number of the system call `futex`, where it is known; elsewhere readers look every 50 us.
-_FUTEX = {"x86_64": 202, "aarch64": 98}.get(platform.machine()) if sys.platform == "linux" else None
+#: Numbers of the system call `futex` by machine: for processes of 64 bits, and of 32, which kernels of 64 run as well, and tell their own machine.
+_FUTEX_64 = {"x86_64": 202, "aarch64": 98, "riscv64": 98, "loongarch64": 98, "ppc64le": 221}
+_FUTEX_32 = dict.fromkeys(
+    ("i386", "i486", "i586", "i686", "x86_64", "armv6l", "armv7l", "armv8l", "aarch64"), 240
+)
 _WAIT, _WAKE = 0, 1
 _TRIES = 64
+
+
+def _futex() -> int | None:
+    """The number of the system call `futex` for this process; None where it is not known, so that readers look every 50 us."""
+    if sys.platform != "linux":
+        return None
+    return (_FUTEX_64 if sys.maxsize > 2**32 else _FUTEX_32).get(platform.machine())
+
+
+_FUTEX = _futex()
 
 
 class _Timespec(ctypes.Structure):
