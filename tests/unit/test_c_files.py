@@ -857,6 +857,8 @@ def test_ziglang_is_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     ("missing", "said"),
     [
         ("compiler", "no C compiler is found [E471]"),
+        ("room", "[E471]"),
+        ("own code", "[E471]"),
         ("rule", "knows the first and the last [E470]"),
         ("input", "[E473]"),
     ],
@@ -874,6 +876,14 @@ def test_without_what_it_needs_numpy_evaluates_and_says_so_once(
     if missing == "compiler":
         monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
         monkeypatch.setenv("CC", "no-such-compiler-here")
+    if missing == "room":  # somebody else has something there
+        (tmp_path / "c").write_text("")
+        monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    if missing == "own code":  # the shell is that of a cross-compiler, or the disk is mounted noexec
+        (tmp_path / "cc").write_text("#!/bin/sh\necho of another machine > made\n")
+        (tmp_path / "cc").chmod(0o755)
+        monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+        monkeypatch.setenv("CC", str(tmp_path / "cc"))
     if missing == "rule":
         error = TrackmarshalError(
             "E470", "rule `x`: sample 3 of `plan`; the C generator\nknows the first and the last"

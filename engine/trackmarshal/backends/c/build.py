@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import os
 import platform
@@ -85,6 +86,15 @@ def sizes(source: Source, types: Sequence[str]) -> Path:
     return _built(files, list(units), [*_flags({}), *SHARED], "so", checked=[own])
 
 
+def loaded(path: Path) -> ctypes.CDLL:
+    """A library that was built; raises TrackmarshalError E471 where this system does not load it."""
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        help_ = "a compiler in $CC may be one for another machine; if the disk is mounted `noexec`, name another folder in TRACKMARSHAL_CACHE"
+        raise TrackmarshalError("E471", f"what was compiled is not loaded: {error}", help=help_) from error
+
+
 def small_library(*paths: Path) -> Path:
     """The shared library of files of ours that depend on no spec, headers among them; raises TrackmarshalError E471 or E472."""
     files = {path.name: path.read_text(encoding="utf-8") for path in paths}
@@ -120,10 +130,14 @@ def _built(
         digest.update(b"\0")
     folder = cache_folder()
     name = digest.hexdigest()[:32]
-    # In folders of their own, by the first letters: in a folder of thousands, looking takes as long as compiling something small.
-    root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c" / name[:2]
-    root.mkdir(parents=True, exist_ok=True)
-    return _kept(root, name, ending) or _compile(files, units, flags, root, name, ending, checked)
+    try:
+        # In folders of their own, by the first letters: in a folder of thousands, looking takes as long as compiling something small.
+        root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c" / name[:2]
+        root.mkdir(parents=True, exist_ok=True)
+        return _kept(root, name, ending) or _compile(files, units, flags, root, name, ending, checked)
+    except OSError as error:
+        help_ = "check the folder's permissions and the space left, or name another one in TRACKMARSHAL_CACHE"
+        raise TrackmarshalError("E471", f"what is compiled has no place: {error}", help=help_) from error
 
 
 def _kept(root: Path, name: str, ending: str) -> Path | None:

@@ -8,9 +8,11 @@ CODES = {
         " out (`--rule`), or evaluate it with another backend.",
     ),
     "E471": (
-        "no C compiler",
+        "no C compiler, or nowhere to keep what it makes",
         "The C backend compiles what it generates. It asks $CC, then `cc`, `gcc`, `clang` and the package ziglang, which comes with"
-        " `pip install trackmarshal[c]`; none of them is there. `eval` and `replay` then evaluate with numpy, and say so.",
+        " `pip install trackmarshal[c]`; none of them is there. Or what was compiled cannot be kept, or is not loaded: the cache folder"
+        " (TRACKMARSHAL_CACHE, else `~/.cache/trackmarshal`) takes nothing or is on a disk that is mounted `noexec`, or $CC compiles for another"
+        " machine. With `--backend auto`, numpy then evaluates, and says so.",
     ),
     "E472": (
         "the C compiler refuses the generated code",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 
-from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.build import library, loaded
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, default
 from trackmarshal.backends.c.courses import bytes_of_courses
 from trackmarshal.backends.c.over_run.cells import bytes_of_pairs, bytes_of_rate
@@ -37,7 +37,7 @@ class Library:
 
     def __init__(self, source: Source, sizes: dict[str, int]) -> None:
         self.sizes = sizes
-        self.dll = ctypes.CDLL(str(library(source, sizes)))
+        self.dll = loaded(library(source, sizes))
         size, pointer, number = ctypes.c_size_t, ctypes.c_void_p, ctypes.c_double
         self.dll.tmg_size.restype = size
         for name, kinds in {

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.build import library, loaded
 from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.source import generate
 from trackmarshal.errors import TrackmarshalError
@@ -32,7 +32,7 @@ class Monitors:
             for monitor in source.monitors
         }
         self.names = tuple(self._fields)
-        self._dll = ctypes.CDLL(str(library(source, {"TM_MAX_ONLINE": capacity})))
+        self._dll = loaded(library(source, {"TM_MAX_ONLINE": capacity}))
         pointer, size = ctypes.c_void_p, ctypes.c_size_t
         for name, result, kinds in (
             ("tmg_size", size, []),

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from trackmarshal.backends.c import calls
 from trackmarshal.backends.c import tree as c
-from trackmarshal.backends.c.build import EXACT, sizes
+from trackmarshal.backends.c.build import EXACT, loaded, sizes
 from trackmarshal.backends.c.capacities import CAPACITIES, capacities, default
 from trackmarshal.backends.c.functions.online import CAPACITY
 from trackmarshal.backends.c.functions.operators import called
@@ -102,10 +102,10 @@ def deepest(source: Source, usage: Mapping[str, int]) -> tuple[int, list[str]]:
 
 
 def context_bytes(source: Source) -> tuple[int, list[int]] | None:
-    """Bytes of the context, and of every monitor, with the default capacities; None without a compiler."""
+    """Bytes of the context, and of every monitor, with the default capacities; None without a compiler for this machine."""
     types = ["tm_context", *(f"tm_online_{monitor.c_name}" for monitor in source.monitors)]
     try:
-        dll = ctypes.CDLL(str(sizes(source, types)))
+        dll = loaded(sizes(source, types))
     except TrackmarshalError as error:
         if error.code == "E471":
             return None
@@ -145,7 +145,7 @@ def _lines(source: Source) -> Iterator[str]:
     yield "state. Figures are for the default capacities and this machine's compiler."
     yield ""
     size = context_bytes(source)
-    yield f"- Context: {'unknown (no compiler)' if size is None else f'{size[0]} bytes'}."
+    yield f"- Context: {'unknown (no compiler for this machine)' if size is None else f'{size[0]} bytes'}."
     for monitor, bytes_ in zip(source.monitors, size[1] if size is not None else []):
         yield f"- Monitor of {monitor.rule.name}, a sample at a time: {bytes_} bytes (TM_MAX_ONLINE {CAPACITY})."
     usage = stack(source)

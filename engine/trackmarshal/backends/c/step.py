@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.c.build import library
+from trackmarshal.backends.c.build import library, loaded
 from trackmarshal.backends.c.calling import Calling
 from trackmarshal.backends.c.capacities import capacities, of_limits
 from trackmarshal.backends.c.library import aligned
@@ -61,7 +61,7 @@ class Stepper:
         self.path = path = library(source, self.sizes)
         #: Which program this is: its name has the hash of its source and of its code.
         self.program = path.name
-        self._dll = dll = ctypes.CDLL(str(path))
+        self._dll = dll = loaded(path)
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         for name, kinds, result in (
             ("tmg_size", [], size), ("tmg_decision_size", [], size), ("tmg_reasons", [], size), ("tmg_reason_size", [], size),
