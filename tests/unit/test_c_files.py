@@ -403,6 +403,22 @@ def test_an_entry_is_compiled_once(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     assert build.library(one_rule().source, {}) == first
 
 
+@pytest.mark.skipif(
+    not sys.platform.startswith("linux"), reason="elsewhere, a processor has programs of one kind"
+)
+def test_what_another_python_cannot_load_is_kept_apart(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Of 32 bits beside 64, or of musl beside glibc (a container with the same home): what the one had built, the other took, and did not load."""
+    monkeypatch.setenv("TRACKMARSHAL_CACHE", str(tmp_path))
+    monkeypatch.setattr(build, "_compile", lambda files, units, flags, root, name, *_: name)
+    names = {build.library(one_rule().source, {})}
+    for kind in ("i386-linux-gnu", "x86_64-linux-musl", "aarch64-linux-musl", "arm-linux-gnueabihf"):
+        monkeypatch.setattr(sys.implementation, "_multiarch", kind)
+        names.add(build.library(one_rule().source, {}))
+    assert len(names) == 5
+
+
 PROCESSOR = "processor\t: {n}\nmodel name\t: one\nflags\t\t: fpu {more}\nbogomips\t: {n}\n\n"
 WITHOUT, WITH = PROCESSOR.format(n=1, more="sse2 fma avx"), PROCESSOR.format(n=2, more="sse2 fma avx avx2")
 

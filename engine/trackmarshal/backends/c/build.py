@@ -124,7 +124,9 @@ def _built(
 ) -> Path:
     """What a compiler makes of units among files, kept under a name that ends so; it has to take those that are checked, too."""
     digest = hashlib.sha256()
-    machine = (os.environ.get("CC", ""), platform.machine(), sys.platform)
+    # A processor has programs of 64 and of 32 bits, and of one C library or another, which share a home but not what is loaded.
+    kind = str(getattr(sys.implementation, "_multiarch", ""))
+    machine = (os.environ.get("CC", ""), platform.machine(), sys.platform, kind)
     for part in (*files.values(), *units, *checked, *flags, *machine):
         digest.update(part.encode())
         digest.update(b"\0")
