@@ -19,12 +19,13 @@ _AUTHOR = re.compile(r"^author (.*) <[^>]*> (-?[0-9]+) ([+-][0-9]{4})$", re.MULT
 
 def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Recorded]:
     """By name, the last commit that changed any line of the record whose id stands at a place (path from the project, line from 1); empty where git
-    knows none of it, or some of it is in none.
+    knows none of it, or some of it is in none, or in one before those that a shallow clone has.
 
     Whether a commit carries a signature is a part of it, the same on every machine; whose it is and whether it is good, `git verify-commit` says
     with the keys of whoever asks.
     """
     found: dict[str, Recorded] = {}
+    cut = _cut(root)
     for file in sorted({file for file, _ in places.values()}):
         lines = _blame(root, file)
         records = _records(root / file) if lines else {}
@@ -33,8 +34,18 @@ def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Rec
                 continue
             first, last = records.get(line, (line, line))
             commits = {lines[n] for n in range(first, last + 1) if n in lines}
-            found[name] = Recorded("", "", "", False) if _NONE in commits else _last(root, sorted(commits))
+            unknown = _NONE in commits or any("\nparent " in _head(root, one) for one in commits & cut)
+            found[name] = Recorded("", "", "", False) if unknown else _last(root, sorted(commits))
     return found
+
+
+def _cut(root: Path) -> frozenset[str]:
+    """The first commits that a shallow clone has: to git, whatever is older was written in them."""
+    try:
+        path = root / _git(root, "rev-parse", "--git-path", "shallow").strip()
+        return frozenset(path.read_text("utf-8").split())
+    except OSError:  # the clone is whole
+        return frozenset()
 
 
 def _blame(root: Path, file: str) -> dict[int, str]:
@@ -83,12 +94,17 @@ def _last(root: Path, commits: list[str]) -> Recorded:
     last = commits[0]
     if len(commits) > 1:
         last = _git(root, "rev-list", "--topo-order", "--max-count=1", *commits).strip() or last
-    head = _git(root, "cat-file", "commit", last).partition("\n\n")[0]
+    head = _head(root, last)
     author = _AUTHOR.search(head)
     if author is None:
         return Recorded("", "", "", False)
     signed = any(line.startswith(("gpgsig ", "gpgsig-sha256 ")) for line in head.split("\n"))
     return Recorded(last, author[1], _day(int(author[2]), author[3]), signed)
+
+
+def _head(root: Path, commit: str) -> str:
+    """What a commit says before its message."""
+    return _git(root, "cat-file", "commit", commit).partition("\n\n")[0]
 
 
 def _day(seconds: int, zone: str) -> str:
