@@ -40,3 +40,40 @@ def test_a_history_that_is_cut_off_has_no_commit_of_what_is_older(
     said = found(tmp_path / "clone")
     assert said.author == author
     assert (said == NOT_KNOWN) is (not author)
+
+
+@pytest.mark.parametrize(
+    ("author", "name", "day"),
+    [
+        ("Rolf Reader <rolf@example.org> 1700000000 +9900", "Rolf Reader", "2023-11-14"),
+        ("Rolf Reader <rolf@example.org> 1700000000 +051800", "Rolf Reader", "2023-11-14"),
+        ("Rolf Reader <rolf@example.org> 1700000000 -2359", "Rolf Reader", "2023-11-13"),
+        ("Rolf Reader <rolf@example.org> 99999999999999 +0000", "Rolf Reader", "@99999999999999"),
+        ("Rolf Reader <rolf@example.org> -62135596801 +0000", "Rolf Reader", "@-62135596801"),
+        ("Rolf Reader <ro<lf>@example.org> 1700000000 +0000", "Rolf Reader", "2023-11-14"),
+        (" <rolf@example.org> 1700000000 +0000", "", "2023-11-14"),
+        ("<rolf@example.org> 1700000000 +0000", "", "2023-11-14"),
+    ],
+)
+def test_authors_as_they_come_from_elsewhere(author: str, name: str, day: str, root: Path) -> None:
+    """Of a time on no day, and of a zone beyond a day, it was an internal error; of an author without a name, the review stood in no commit."""
+    commit = rewritten(root, author.encode())
+    assert found(root) == Recorded(commit, name, day, False)
+
+
+@pytest.mark.parametrize("encoding", ["ISO-8859-1", "KOI8-R", "utf-8", "none that is known"])
+def test_an_author_in_the_encoding_of_the_commit(encoding: str, root: Path) -> None:
+    name, there = ("Лев" if encoding == "KOI8-R" else "Jörg"), "utf-8" if " " in encoding else encoding
+    author = f"{name} <j@example.org> 1700000000 +0000".encode(there)
+    rewritten(root, author, f"\nencoding {encoding}".encode())
+    assert found(root).author == name
+
+
+def rewritten(root: Path, author: bytes, more: bytes = b"") -> str:
+    """The commit with another author, as the one that is checked out."""
+    head, _, message = run_git(root, "cat-file", "commit", "HEAD").encode().partition(b"\n\n")
+    lines = [b"author " + author if line.startswith(b"author ") else line for line in head.split(b"\n")]
+    (root / "commit").write_bytes(b"\n".join(lines) + more + b"\n\n" + message)
+    made = run_git(root, "hash-object", "-t", "commit", "-w", "--literally", "commit").strip()
+    run_git(root, "update-ref", "HEAD", made)
+    return made

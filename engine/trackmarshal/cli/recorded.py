@@ -14,7 +14,11 @@ from trackmarshal.trace.case.inputs import Recorded
 
 #: What git calls the commit of lines that are in none yet.
 _NONE = "0" * 40
-_AUTHOR = re.compile(r"^author (.*) <[^>]*> (-?[0-9]+) ([+-][0-9]{4})$", re.MULTILINE)
+#: The name may be empty, and a zone of any length, in what was imported from elsewhere.
+_AUTHOR = re.compile(r"^author (.*?) ?<.*> (-?[0-9]+) ([+-][0-9]+)$", re.MULTILINE)
+#: Minutes of a day, of which a zone has less.
+_DAY = 24 * 60
+_ENCODING = re.compile(rb"^encoding ([^\n]+)$", re.MULTILINE)
 
 
 def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Recorded]:
@@ -103,24 +107,39 @@ def _last(root: Path, commits: list[str]) -> Recorded:
 
 
 def _head(root: Path, commit: str) -> str:
-    """What a commit says before its message."""
-    return _git(root, "cat-file", "commit", commit).partition("\n\n")[0]
+    """What a commit says before its message, in the encoding that it names."""
+    head = _bytes(root, "cat-file", "commit", commit).partition(b"\n\n")[0]
+    named = _ENCODING.search(head)
+    try:
+        return head.decode("utf-8" if named is None else named[1].decode("ascii"))
+    except (UnicodeDecodeError, LookupError):
+        return head.decode("utf-8", "replace")
 
 
 def _day(seconds: int, zone: str) -> str:
-    """The day on which an author wrote, where the author was."""
-    minutes = int(zone[1:3]) * 60 + int(zone[3:5])
-    there = timezone(timedelta(minutes=-minutes if zone.startswith("-") else minutes))
-    return datetime.fromtimestamp(seconds, UTC).astimezone(there).date().isoformat()
+    """The day on which an author wrote, where the author was; the time as git has it where it is on no day, and in UTC where the zone is none."""
+    minutes = int(zone[1:-2] or 0) * 60 + int(zone[-2:])
+    there = (
+        timedelta(minutes=-minutes if zone.startswith("-") else minutes) if minutes < _DAY else timedelta()
+    )
+    try:
+        return datetime.fromtimestamp(seconds, UTC).astimezone(timezone(there)).date().isoformat()
+    except (ValueError, OverflowError, OSError):
+        return f"@{seconds}"
 
 
 def _git(root: Path, *arguments: str) -> str:
     """What git says of what is recorded, and of nothing that stands in its place here; "" where it is not there or refuses."""
+    return _bytes(root, *arguments).decode("utf-8", "replace")
+
+
+def _bytes(root: Path, *arguments: str) -> bytes:
+    """The same, as it stands there."""
     try:
         done = subprocess.run(asking(root, *arguments), capture_output=True, check=False, env=surroundings())
     except OSError:
-        return ""
-    return done.stdout.decode("utf-8", "replace") if done.returncode == 0 else ""
+        return b""
+    return done.stdout if done.returncode == 0 else b""
 
 
 __all__ = ["recorded"]
