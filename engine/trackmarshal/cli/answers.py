@@ -112,7 +112,9 @@ def commit(root: Path) -> str:
     are here; empty where there is none."""
     try:
         head = answer(root, "rev-parse", "HEAD").strip()
-        differs = answer(root, "status", "--porcelain", "--untracked-files=no", ".")
+        differs = answer(
+            root, "status", "--porcelain", "--untracked-files=no", "--ignore-submodules=untracked", "."
+        )
         return head + (
             "+" if differs or answer(root, "ls-files", "--others", "--exclude-standard", "--", *_READ) else ""
         )

@@ -12,6 +12,7 @@ _ELSEWHERE = (
     "GIT_DIR",
     "GIT_COMMON_DIR",
     "GIT_WORK_TREE",
+    "GIT_INDEX_FILE",
     "GIT_NAMESPACE",
     "GIT_SHALLOW_FILE",
     "GIT_REPLACE_REF_BASE",
@@ -21,14 +22,21 @@ _ELSEWHERE = (
     "GIT_NOGLOB_PATHSPECS",
     "GIT_ICASE_PATHSPECS",
 )
-#: Settings of whoever asks, as which it is read: signatures stand among commits, a file is followed to another one, paths are from elsewhere.
-_AS_IT_IS = ("core.commitGraph", "log.showSignature", "log.follow", "diff.relative")
+#: In place of settings of whoever asks, as which it is read: signatures stand among commits, a file is followed to another one, paths are from
+#: elsewhere, and of a merge it is not said what it changed.
+_AS_IT_IS = (
+    "core.commitGraph=false",
+    "log.showSignature=false",
+    "log.follow=false",
+    "log.diffMerges=separate",
+    "diff.relative=false",
+)
 
 
 def asking(folder: Path, *words: str) -> list[str]:
-    """The command that asks git, in a folder."""
-    plain = [part for name in _AS_IT_IS for part in ("-c", f"{name}=false")]
-    return ["git", "--no-replace-objects", *plain, "-C", str(folder), *words]
+    """The command that asks git, in a folder, and takes no lock for it: what somebody else does there meanwhile would fail of that."""
+    plain = [part for setting in _AS_IT_IS for part in ("-c", setting)]
+    return ["git", "--no-replace-objects", "--no-optional-locks", *plain, "-C", str(folder), *words]
 
 
 def surroundings() -> dict[str, str]:
