@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import posixpath
 import shutil
 import subprocess
 import tarfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, NamedTuple
 
 from trackmarshal.cli.git import asking, surroundings
 from trackmarshal.errors import TrackmarshalError
@@ -31,6 +32,16 @@ _MOST = 16_000_000
 _MOST_OF_ANY = 512_000_000
 #: Paths that are named to git at once.
 _CHUNK = 500
+#: Modes of what stands for something else: a link, and a submodule's commit.
+_LINK, _SUBMODULE = "120000", "160000"
+
+
+class _Entry(NamedTuple):
+    """What a commit has at a path from the project."""
+
+    mode: str
+    id: str
+    path: str
 
 
 def commit_of(name: str, project: Path) -> str:
@@ -60,10 +71,16 @@ def last_change(path: str, project: Path) -> str:
 def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     """A revision's specs and requirements, below `into`; the folder that stands for the project. `called`: what messages call it. Raises T361."""
     commit = commit_of(name, project)
-    specs = [path for path in _files(commit, called or name, project) if path.endswith(_SUFFIXES)]
+    entries = _entries(commit, called or name, project)
+    specs = [path for path in _files(entries) if path.endswith(_SUFFIXES)]
     if specs:  # else the folder may not be there, an error to git: what is lacking says whoever asked
         _read(commit, called or name, project, into, (), _of_specs)
     _left_out(commit, called or name, project, into, specs, _MOST)
+    links = [one.path for one in entries if one.mode == _LINK]
+    _behind(commit, called or name, project, into, links, _of_specs)
+    for one in entries:
+        if one.mode == _SUBMODULE and _is_checked_out(one, called or name, project):
+            read(one.id, project / one.path, into / one.path, called=called or name)
     return into
 
 
@@ -71,17 +88,112 @@ def read_more(commit: str, project: Path, into: Path, paths: Iterable[str], *, c
     """Files and folders of a commit, by their paths from the project, below `into`; those that it does not have are left out. Raises T361."""
     wanted = sorted({str(path) for path in paths})
     chunks = (wanted[n : n + _CHUNK] for n in range(0, len(wanted), _CHUNK))
-    there = [path for chunk in chunks for path in _files(commit, called, project, chunk)]
+    entries = [one for chunk in chunks for one in _entries(commit, called, project, chunk)]
+    there = _files(entries)
     for chunk in (there[n : n + _CHUNK] for n in range(0, len(there), _CHUNK)):
-        _read(commit, called, project, into, chunk, lambda member: member.size <= _MOST_OF_ANY)
+        _read(commit, called, project, into, chunk, _of_any)
     _left_out(commit, called, project, into, there, _MOST_OF_ANY)
+    left = [path for path in wanted if not (into / path).exists() and ".." not in Path(path).parts]
+    if not left:
+        return
+    links = [one.path for one in entries if one.mode == _LINK]
+    _behind(commit, called, project, into, [*links, *left], _of_any)
+    for one in _entries(commit, called, project):
+        within = [path.removeprefix(f"{one.path}/") for path in left if path.startswith(f"{one.path}/")]
+        if one.mode == _SUBMODULE and within and _is_checked_out(one, called, project):
+            read_more(one.id, project / one.path, into / one.path, within, called=called)
 
 
-def _files(commit: str, name: str, project: Path, paths: Sequence[str] = ()) -> list[str]:
-    """The regular files of a commit in the project's folder, or in some folders and files of it."""
+def _entries(commit: str, name: str, project: Path, paths: Sequence[str] = ()) -> list[_Entry]:
+    """What a commit has in the project's folder, or in some folders and files of it."""
     said = _git(project, "ls-tree", "-r", "-z", commit, "--", *paths, name=name)
-    entries = (entry.partition("\t") for entry in said.split("\0"))
-    return [path for mode, _, path in entries if mode.startswith("100")]
+    parts = (entry.partition("\t") for entry in said.split("\0") if entry)
+    return [_Entry(about.split()[0], about.split()[2], path) for about, _, path in parts]
+
+
+def _files(entries: Iterable[_Entry]) -> list[str]:
+    """The regular files."""
+    return [one.path for one in entries if one.mode.startswith("100")]
+
+
+def _behind(
+    commit: str,
+    name: str,
+    project: Path,
+    into: Path,
+    paths: Sequence[str],
+    wanted: Callable[[tarfile.TarInfo], bool],
+) -> None:
+    """Write what a commit has at paths that are links, or lead over one: where a folder of the project is meant, the link, so that it stays one folder.
+
+    What lies outside of the repository is the same in all revisions.
+    """
+    folders: list[Path] = []
+    for path, kind, id_ in _led_to(commit, name, project, paths):
+        place = into / path
+        if place.exists() or place.is_symlink():
+            continue
+        place.parent.resolve().mkdir(parents=True, exist_ok=True)
+        if kind == "blob":
+            member = tarfile.TarInfo(path)
+            member.size = int(_git(project, "cat-file", "-s", id_, name=name))
+            if wanted(member):
+                place.write_bytes(_bytes(project, "cat-file", "blob", id_, name=name))
+        elif kind == "tree":
+            target = _target(commit, name, project, path)
+            if Path(target).parts[0] == "..":
+                top = Path(_git(project, "rev-parse", "--show-toplevel", name=name).rstrip("\n"))
+                _read(id_, name, top, place, (), wanted)
+            else:
+                place.symlink_to(into / target, target_is_directory=True)
+                folders.append(place)
+        elif kind == "symlink" and (project / path).exists():
+            place.symlink_to((project / path).resolve())
+    for place in folders:
+        if not place.exists():  # nothing of what it leads to was wanted
+            place.unlink()
+
+
+def _target(commit: str, name: str, project: Path, path: str) -> str:
+    """Where the link at a path leads, from the project."""
+    said = _git(project, "cat-file", "blob", f"{commit}:./{path}", name=name)
+    return posixpath.normpath(posixpath.join(posixpath.dirname(path), said))
+
+
+def _led_to(commit: str, name: str, project: Path, paths: Sequence[str]) -> Iterator[tuple[str, str, str]]:
+    """By path, what kind of thing a commit has where links lead, and its object; `symlink` where that is outside of the repository."""
+    named = [path for path in paths if "\n" not in path]
+    if not named:
+        return
+    asked = "".join(f"{commit}:./{path}\n" for path in named)
+    rest = _bytes(project, "cat-file", "--batch-check", "--follow-symlinks", name=name, given=asked.encode())
+    for path in named:
+        head, _, rest = rest.partition(b"\n")
+        if head.endswith(b" missing"):
+            continue
+        about = head.decode().split()
+        if len(about) == 2:  # what a link leads to that leads to nothing here
+            yield path, about[0], ""
+            rest = rest[int(about[1]) + 1 :]
+        else:
+            yield path, about[1], about[0]
+
+
+def _is_checked_out(submodule: _Entry, name: str, project: Path) -> bool:
+    """Whether a submodule is here to be read from; raises T361 where it is, has specs, and lacks the commit."""
+    there = project / submodule.path
+    if not (there / ".git").exists():
+        return False
+    try:
+        commit_of(submodule.id, there)
+        return True
+    except TrackmarshalError:
+        if next(there.rglob("*.spec"), None) is None:
+            return False
+        message = (
+            f"`{name}` has commit {submodule.id[:12]} of the submodule `{submodule.path}`, which is not here"
+        )
+        raise TrackmarshalError("T361", message, help=f"`git -C {submodule.path} fetch`") from None
 
 
 def _left_out(commit: str, name: str, project: Path, into: Path, paths: Iterable[str], most: int) -> None:
@@ -97,6 +209,10 @@ def _left_out(commit: str, name: str, project: Path, into: Path, paths: Iterable
 
 def _of_specs(member: tarfile.TarInfo) -> bool:
     return member.name.endswith(_SUFFIXES) and member.size <= _MOST
+
+
+def _of_any(member: tarfile.TarInfo) -> bool:
+    return member.size <= _MOST_OF_ANY
 
 
 def _read(
@@ -149,7 +265,7 @@ def _git(project: Path, *arguments: str, name: str) -> str:
     return _bytes(project, *arguments, name=name).decode("utf-8", "replace")
 
 
-def _bytes(project: Path, *arguments: str, name: str) -> bytes:
+def _bytes(project: Path, *arguments: str, name: str, given: bytes = b"") -> bytes:
     if shutil.which("git") is None:
         raise TrackmarshalError(
             "T361",
@@ -158,6 +274,7 @@ def _bytes(project: Path, *arguments: str, name: str) -> bytes:
         )
     done = subprocess.run(
         asking(project, *arguments),
+        input=given,
         capture_output=True,
         check=False,
         env=surroundings(),
