@@ -13,7 +13,7 @@ import pytest
 
 from golden.trace.cases import HERE
 from support.project import command
-from trackmarshal.cli.days import day
+from trackmarshal.cli.days import day, doubts
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.records.results_file import ResultsFile, save
 from trackmarshal.records.tests import ExternalTest
@@ -89,6 +89,22 @@ def test_a_commit_is_not_made_before_those_that_it_comes_after(robot: Path) -> N
     git(robot, "commit", "-q", "--allow-empty", "-m", "third", when="2020-07-01T12:00:00 +0200")
     assert day("commit", robot) == date(2021, 1, 1)
     assert "T231" in command(robot, "trace", "--gate", "--day", "commit")[1]
+
+
+def test_a_history_that_is_cut_off(robot: Path, tmp_path: Path) -> None:
+    """Dated back, a commit had a waiver hold that has expired, in the clone of one commit that continuous integration mostly has."""
+    for when, now in (("2021-01-01T00:30:00 +0200", "second"), ("2020-07-01T12:00:00 +0200", "third")):
+        git(robot, "commit", "-q", "--allow-empty", "-m", now, when=when)
+    assert doubts("commit", day("commit", robot), robot) == []
+    git(tmp_path, "clone", "-q", "--depth", "1", robot.parent.as_uri(), "clone")
+    clone = tmp_path / "clone" / "robot"
+    assert day("commit", clone) == date(2020, 7, 1)
+    (found,) = doubts("commit", day("commit", clone), clone)
+    assert (found.code, found.level) == ("T348", "warning")
+    assert "2020-07-01" in found.message
+    assert doubts("2020-07-01", date(2020, 7, 1), clone) == doubts(None, date.today(), clone) == []
+    out = command(clone, "trace", "--as-is", "--day", "commit")[1]
+    assert "warning[T348]" in out
 
 
 def test_a_commit_that_is_yet_to_come(robot: Path) -> None:

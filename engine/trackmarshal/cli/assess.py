@@ -49,6 +49,7 @@ def _assessed(args: argparse.Namespace) -> int:
     today = days.day(args.day, root)
     target = Path(args.out) if args.out else root / "out" / "assess"
     made = assess(root, run=True, replays=True, quiet=args.quiet)
+    made.store_found += days.doubts(args.day, today, root)
     found: list[Diagnostic] = []
     shown = made.shown
     if shown is None:

@@ -40,7 +40,7 @@ class Assessment:
     results: list[TestResult]
     runs: list[RunSummary]
     fault_results: list[FaultResult]
-    #: What is wrong with the evidence store and the history of the baseline, and that files were written meanwhile.
+    #: What is wrong with the evidence store and the history of the baseline, what is not known of the day, and that files were written meanwhile.
     store_found: list[Finding]
     replays: list[tuple[RunSummary, Replay, Evaluator]]
     #: What was kept to be shown, where replays were asked for and need not be made.

@@ -6,16 +6,21 @@ import argparse
 import subprocess
 from datetime import date, timedelta
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trackmarshal.cli.git import answer, refused
 from trackmarshal.errors import TrackmarshalError
+
+if TYPE_CHECKING:
+    from trackmarshal.trace import Finding
 
 CODES = {
     "T348": (
         "a day that is none",
         "`--day` takes a day, YYYY-MM-DD, or `commit`, the day on which the commit was made that is checked out. There is no such day in the "
         "calendar, or there is no commit: git is missing, the project is in no repository, or nothing is committed yet; or the commit says that it was "
-        "made on a day that is yet to come. A commit that says it was made before one that it comes after was not: the latest day of them counts.",
+        "made on a day that is yet to come. A commit that says it was made before one that it comes after was not: the latest day of them counts. In a shallow "
+        "clone these are not at hand, and a warning says so.",
     ),
 }
 COMMIT = "commit"
@@ -47,6 +52,18 @@ def day(said: str | None, root: Path) -> date:
         ) from None
 
 
+def doubts(said: str | None, found: date, root: Path) -> list[Finding]:
+    """T348, as a warning, where the day of a commit was found in a shallow clone: one that it comes after may have a later day, and is not there."""
+    from trackmarshal.trace.findings import warning
+
+    if said != COMMIT or found >= date.today():
+        return []
+    if answer(root, "rev-parse", "--is-shallow-repository").strip() != "true":
+        return []
+    message = f"that the commit was made on {found} is what it says: the history of the clone is cut, and with it the days of what it comes after"
+    return [warning("T348", message, None, "`git fetch --unshallow`, or name a day")]
+
+
 def _of_commit(root: Path) -> str:
     """The day of the checked-out commit, where its committer was: whoever dates it back would have waivers hold that have expired, so that it is
     no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
@@ -66,4 +83,4 @@ def _of_commit(root: Path) -> str:
     return max(one for one in days if one <= latest)
 
 
-__all__ = ["CODES", "COMMIT", "configure", "day"]
+__all__ = ["CODES", "COMMIT", "configure", "day", "doubts"]

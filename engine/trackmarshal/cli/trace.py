@@ -91,6 +91,7 @@ def _run(args: argparse.Namespace) -> int:
     where = shown_from(args, root)
     today = days.day(args.day, root)
     found = assess(root, run=not args.as_is, again=args.rerun, quiet=args.quiet)
+    found.store_found += days.doubts(args.day, today, root)
     if args.accept_baseline:
         said = found.facts
         for wrong in said.findings:
