@@ -71,6 +71,29 @@ def test_what_is_changed_in_a_submodule(root: Path) -> None:
     assert commit(root) == head + "+"
 
 
+def test_what_git_ignores_and_is_read_all_the_same(root: Path) -> None:
+    """Evidence was of a commit that lacks the rule that it is of."""
+    (root / ".gitignore").write_text("/mine\n/build/\n*.yml\nlocal*\n", "utf-8")
+    run_git(root, "add", ".")
+    run_git(root, "commit", "-qm", "a")
+    head = run_git(root, "rev-parse", "HEAD").strip()
+    for name in ("build/a.spec", "build/a.yml", "specs/local.txt"):
+        (root / name).parent.mkdir(exist_ok=True)
+        (root / name).write_text("module a\n", "utf-8")
+    assert commit(root) == head
+    assert commit(root, ["../build", "/build"]) == head
+    for name, specs in (
+        ("specs/local.spec", []),
+        ("mine/in/a.spec", ["specs", "mine"]),
+        ("requirements/a.yml", []),
+    ):
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text("module a\n", "utf-8")
+        assert commit(root, specs) == head + "+"
+        (root / name).unlink()
+        assert commit(root, specs) == head
+
+
 def test_no_lock_is_taken(root: Path) -> None:
     """What somebody else did in the repository meanwhile, such as a commit, failed of it: `index.lock` was there."""
     (root / "a").write_text("a", "utf-8")

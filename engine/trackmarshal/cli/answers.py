@@ -7,7 +7,7 @@ import json
 import platform
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -24,6 +24,8 @@ _LATER = ("ranges",)
 _APART = ("file", "line", "created", "spec_fingerprint")
 #: What a project is read from.
 _READ = ("*.spec", "*.yaml", "*.yml", "*.tmrec.jsonl", "*.tmrec.jsonl.gz")
+#: What is read of its requirements.
+_DOCUMENTS = ["requirements/*.yaml", "requirements/*.yml"]
 #: What stands in the order of the specs.
 _IN_ANY_ORDER = ("rules",)
 
@@ -31,9 +33,10 @@ _IN_ANY_ORDER = ("rules",)
 class Answers:
     """The results of a project: those of its store, and those that are found out now, which go there."""
 
-    def __init__(self, root: Path, folder: Path, again: bool = False) -> None:
-        """again: nothing that is in the store is used, and what comes out differently is told. Raises T295."""
+    def __init__(self, root: Path, folder: Path, again: bool = False, specs: Iterable[object] = ()) -> None:
+        """again: nothing that is in the store is used, and what comes out differently is told. specs: as `commit` takes them. Raises T295."""
         self._root = root
+        self._specs = specs
         self._again = again
         self._new: list[Entry] = []
         self.store = Store(folder)
@@ -90,7 +93,7 @@ class Answers:
         if self._new:
             from trackmarshal.meaning import tool
 
-            by = {"tool": tool(), "commit": commit(self._root), "platform": _platform()}
+            by = {"tool": tool(), "commit": commit(self._root, self._specs), "platform": _platform()}
             try:
                 self.store.add(entry.by(**by) for entry in self._new)
             except OSError as error:
@@ -107,17 +110,23 @@ def _sorted(name: str, value: Any) -> Any:
     return sorted(json.dumps(each, sort_keys=True) for each in value)
 
 
-def commit(root: Path) -> str:
+def commit(root: Path, specs: Iterable[object] = ()) -> str:
     """The commit of a project's folder, `+` behind it where files that belong to it differ from it, or it lacks specs, documents or recordings that
-    are here; empty where there is none."""
+    are here; empty where there is none. specs: the folders with specs, of which those count that git ignores, too, as they are read all the same."""
+    folders = [str(one) for one in specs] or ["specs"]
+    ignored = [f"{one}/*.spec" for one in folders if not {"..", "/"} & set(Path(one).parts)] + _DOCUMENTS
+    others = ("ls-files", "--others", "--exclude-standard")
     try:
         head = answer(root, "rev-parse", "HEAD").strip()
         differs = answer(
             root, "status", "--porcelain", "--untracked-files=no", "--ignore-submodules=untracked", "."
         )
-        return head + (
-            "+" if differs or answer(root, "ls-files", "--others", "--exclude-standard", "--", *_READ) else ""
+        more = (
+            differs
+            or answer(root, *others, "--", *_READ)
+            or answer(root, *others, "--ignored", "--", *ignored)
         )
+        return head + ("+" if more else "")
     except (OSError, subprocess.SubprocessError):
         return ""
 

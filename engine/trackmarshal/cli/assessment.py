@@ -120,7 +120,7 @@ def assess(
     with opened(root) as read:
         project = requirements.load(root, [])
     # Others may add to the store meanwhile: what it said is what it says.
-    answers = Answers(root, root / project.results, again)
+    answers = Answers(root, root / project.results, again, project.specs)
     made = _Making(root, project, quiet)
     with opened(root) as later:
         if again:

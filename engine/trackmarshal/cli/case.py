@@ -148,7 +148,7 @@ def _inputs(found: Assessment, root: Path, as_of: date) -> Inputs:
     sheets = {} if spec is None else dict(rule_sheets(spec, [item.name for item in said.items]))
     return Inputs(
         matrix, build(matrix, found.project, root), found.project, said.items, said.tests, found.results, found.runs,
-        trace.fault_rows(said.fault_cases, found.fault_results), sheets, commit(root),
+        trace.fault_rows(said.fault_cases, found.fault_results), sheets, commit(root, found.project.specs),
         f"trackmarshal {__version__}", tool(), "" if spec is None else spec.fingerprint, _hashes(root, found.project.baseline),
         drawings(root, said, sheets, lambda: found.sources), _loop(matrix, found, root),
         recorded(root, {str(e.id): (e.id.place.file, e.id.place.line) for e in found.project.entries if e.kind == "review"}),

@@ -47,7 +47,9 @@ def answer(root: Path, args: argparse.Namespace) -> int:
     if lacking and (held or (now.project.baseline and (root / now.project.baseline).exists())):
         raise _unknown(lacking[0])  # what has to be accepted by name would be left out, without a word
     made = impact.compared(before, now, accepted)
-    between = shown.Between(args.impact, named, commit(root), now.project.name or root.name)
+    between = shown.Between(
+        args.impact, named, commit(root, now.project.specs), now.project.name or root.name
+    )
     text = shown.render(made, between, args.format)
     if args.format == "text":
         say(*text.removesuffix("\n").split("\n"))
