@@ -70,6 +70,27 @@ def test_behind_a_first_version_that_git_lfs_kept(root: Path) -> None:
     assert "requirement S-2 is gone" in found[1].message
 
 
+def test_in_a_submodule(root: Path, tmp_path: Path) -> None:
+    """Which the project's repository has no versions of: edited by hand, it was called one that was never committed, and the gate passed."""
+    accept(root, "S-1")
+    origin = (root / "requirements").rename(tmp_path / "origin")
+    run_git(origin, "init", "-q")
+    commit(origin)
+    commit(root)
+    run_git(root, "-c", "protocol.file.allow=always", "submodule", "add", "-q", str(origin), "requirements")
+    commit(root)
+    (found,) = acceptances.check(root, BASELINE)
+    assert (found.code, found.level) == ("T380", "error")
+    assert "`requirements` is in another repository" in found.message
+    (root / BASELINE).rename(root / "baseline.json")  # as the help says
+    commit(root)
+    assert list(acceptances.check(root, "baseline.json")) == []
+    (root / "baseline.json").write_text(
+        (root / "baseline.json").read_text("utf-8").replace("QM", "A"), "utf-8"
+    )
+    assert [one.code for one in acceptances.check(root, "baseline.json")] == ["T380"]
+
+
 def test_in_a_history_that_is_cut_off(root: Path, tmp_path: Path) -> None:
     accept(root, "S-1")
     for _ in range(2):

@@ -62,6 +62,14 @@ def check(root: Path, baseline: str) -> Iterator[Finding]:
         yield error("T380", message, Place(baseline), "put what it leads to in its place")
         return
     try:
+        own, its = (
+            _git(folder, "rev-parse", "--show-toplevel") for folder in (root, (root / baseline).parent)
+        )
+        if own != its:
+            message = f"who accepted the baseline cannot be told: `{Path(baseline).parent.as_posix()}` is in another repository than the project, such as a submodule"
+            help_ = "name a file in the project's own one, such as `baseline: baseline.json`, move it there, and commit it"
+            yield error("T380", message, Place(baseline), help_)
+            return
         filter_ = _kept_by(root, baseline)
         if filter_:
             message = f"who accepted the baseline cannot be told: `filter={filter_}` of `.gitattributes` keeps something else of it in git"
