@@ -11,6 +11,7 @@ import pytest
 
 from trackmarshal.cli import revisions
 from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.errors import TrackmarshalError
 
 
 def _repository(folder: Path, spec: str) -> Path:
@@ -36,6 +37,17 @@ def test_whatever_repository_the_environment_names(tmp_path: Path, monkeypatch: 
     monkeypatch.setenv("GIT_DIR", str(other / ".git"))
     found = revisions.read("HEAD", own, tmp_path / "into")
     assert [path.read_text("utf-8") for path in found.rglob("*.spec")] == ["module own\n"]
+
+
+def test_a_repository_that_git_does_not_trust(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a container that checks out as another user than it runs as: git's help stood in the message, and another one under it."""
+    own = _repository(tmp_path / "own", "module own\n")
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")
+    with pytest.raises(TrackmarshalError, match="no revision: git: detected dubious ownership in") as caught:
+        revisions.read("HEAD", own, tmp_path / "into")
+    assert "\n" not in caught.value.message
+    assert caught.value.help is not None
+    assert "git config --global --add safe.directory" in caught.value.help
 
 
 def test_on_python_before_3_11_4(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

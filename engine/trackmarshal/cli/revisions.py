@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import IO, NamedTuple
 
-from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.cli.git import asking, refused, surroundings
 from trackmarshal.errors import TrackmarshalError
 
 CODES = {
@@ -280,10 +280,10 @@ def _bytes(project: Path, *arguments: str, name: str, given: bytes = b"") -> byt
         env=surroundings(),
     )
     if done.returncode:
-        said = done.stderr.decode("utf-8", "replace").strip()
+        why, help_ = refused(subprocess.CalledProcessError(done.returncode, "git", stderr=done.stderr))
         raise TrackmarshalError(
             "T361",
-            f"`{name}` is no file or folder here, and no revision: {said or 'git does not know it'}",
-            help="name a path, or a revision inside a repository",
+            f"`{name}` is no file or folder here, and no revision: {why}",
+            help=help_ or "name a path, or a revision inside a repository",
         )
     return done.stdout
