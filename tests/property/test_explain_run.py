@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from support.run_formulas import SIGNALS, formulas, runs
-from trackmarshal.backends.over_run.history import History, Past
+from trackmarshal.backends.over_run.history import History, Past, Settled
 from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.explaining.telling import told_over_run
@@ -45,3 +45,51 @@ def test_the_comparison_that_is_found_has_the_margin(
             continue
         assert found is not None, trail.said
         assert abs(found.witness.margin) == abs(here.margin)
+
+
+@settings(deadline=None)
+@given(st.one_of(formulas(), formulas(depth=2)), runs())
+def test_what_is_settled_of_cycles_holds_whatever_comes_after_them(
+    formula: str, cycles: list[dict[str, Any] | None]
+) -> None:
+    """Histories of one run, up to each of its cycles, find out together what each finds out by itself; of the last cycle, one candidate has another
+    value than what was driven in the end."""
+    spec = loads(f'{SIGNALS}rule f "x"\n  whenever weak previous flag\n  require {formula}\n')
+    evaluator = Evaluator(spec)
+    (rule,) = evaluator.rules
+    assert rule.formula is not None
+    settled, kept, missed = Settled(), list[Past](), 0
+    for cycle in cycles:
+        if cycle is None:
+            missed += bool(kept)
+            continue
+        for other in (_turned(cycle), cycle):
+            until = [*kept, past(spec, evaluator.read(other), missed)]
+            together = History(until, common=len(kept), settled=settled)
+            alone = History(until)
+            for place in reversed(range(len(until))):
+                assert repr(together.value(rule.formula, place, {})) == repr(
+                    alone.value(rule.formula, place, {})
+                )
+        kept, missed = until, 0
+
+
+def _turned(cycle: dict[str, Any]) -> dict[str, Any]:
+    """The same cycle with every Boolean turned round, and every number changed."""
+    return {**cycle, "signals": {name: _other(value) for name, value in cycle["signals"].items()}}
+
+
+def _other(value: Any) -> Any:
+    match value:
+        case bool():
+            return not value
+        case dict():
+            return {name: each if name == "id" else _other(each) for name, each in value.items()}
+        case list():
+            return [_other(each) for each in value]
+        case int() | float():
+            return -value
+        case str():
+            return value
+        case _:
+            raise AssertionError(f"a cycle has no {type(value).__name__}")

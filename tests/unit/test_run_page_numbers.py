@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from support.report_runs import SPEC, cycle, evaluator, other, overtaking, recording
+from trackmarshal.backends.over_run.history import History
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.backends.results import outcome, rule_result
 from trackmarshal.explaining.moments import MOST, MOST_REMEMBERED, chosen, told_moments
@@ -67,6 +68,27 @@ def test_what_is_told_is_what_the_reference_says_of_that_cycle(tmp_path: Path) -
         assert lines == told(rule, result, values)[3:]
         seen += 1
     assert seen > 40
+
+
+def test_moments_of_a_run_are_told_as_each_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is found out of the cycles before one moment is not looked for again before the next."""
+    text = SPEC + (
+        "\nstate side : { ahead, level, behind } for each o in objects starts level\n"
+        "  becomes ahead from level when o.x - ego.x > 12 m\n    remember gap = o.x - ego.x\n"
+        "  becomes level from ahead, behind when abs(o.x - ego.x) <= 12 m\n"
+        "  becomes behind from level when o.x - ego.x < -12 m\n    remember gap = o.x - ego.x\n"
+        '\nrule beside "Not long beside another"\n  for all o in objects\n'
+        "  require not (side(o) is level and time_in(side(o)) > 0.3 s)\n"
+        '\nrule kept "As far as it was"\n  for all o in objects where not (side(o) is level)\n'
+        "  require abs(o.x - ego.x - side(o).gap) <= 3 m\n"
+        '\nrule soon "It is far away soon"\n  for all o in objects\n'
+        "  require eventually[0 s, 0.5 s] abs(o.x - ego.x) > 12 m\n"
+    )
+    made = record(tmp_path, overtaking(), text)["told"]
+    monkeypatch.setattr("trackmarshal.explaining.moments.History", lambda cycles, **_: History(cycles))
+    assert record(tmp_path, overtaking(), text)["told"] == made
+    several = {entry["rule"] for entry in made if len(entry["cycles"]) > 1}
+    assert several >= {"beside", "kept", "soon"}
 
 
 def test_numbers_by_hand_with_units(tmp_path: Path) -> None:

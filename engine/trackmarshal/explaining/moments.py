@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from trackmarshal.backends.over_run.history import History, Past
+from trackmarshal.backends.over_run.history import History, Past, Settled
 from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
@@ -104,6 +104,8 @@ class _Run:
         #: By cycle and candidate: what rules have in common is computed once.
         self._values: dict[tuple[int, str], Reference] = {}
         self._histories: dict[tuple[int, str], History] = {}
+        #: What is known of the cycles before a moment holds for all later moments.
+        self._settled = Settled()
         #: Of rules that are the same for all candidates, by the number of the cycle.
         self._shared: dict[tuple[str, int], tuple[RuleResult, list[str]]] = {}
         #: What is remembered of all cycles, and of each what `_until` says, with how many of them are before it.
@@ -132,7 +134,8 @@ class _Run:
             return behind(rule, result, along_course(rule, self._until(candidate, number)))
         key = number, candidate
         if key not in self._histories:
-            self._histories[key] = History(self._until(candidate, number))
+            cycles = self._until(candidate, number)
+            self._histories[key] = History(cycles, common=len(cycles) - 1, settled=self._settled)
         return behind_over_run(rule, result, self._histories[key])
 
     def _reference(self, candidate: str, number: int) -> Reference:

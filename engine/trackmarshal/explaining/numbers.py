@@ -51,11 +51,14 @@ def numbers(
     return rows + sorted(leaves)
 
 
-def kept_units(rule: RuleInfo) -> dict[str, str]:
+def kept_units(rule: RuleInfo) -> Mapping[str, str]:
     """The SI units of the numbers that a rule's state machines remember, by `machine.name`."""
-    if rule.typed is None:
-        return {}
-    found = (node for node in typed.below(rule.typed) if isinstance(node, typed.Kept))
+    return {} if rule.typed is None else _kept_units(rule.typed)
+
+
+@lru_cache(maxsize=256)
+def _kept_units(rule: typed.Rule) -> Mapping[str, str]:
+    found = (node for node in typed.below(rule) if isinstance(node, typed.Kept))
     return {f"{node.machine.symbol.qualified}.{node.name}": show(node.dimension) for node in found}
 
 

@@ -85,6 +85,21 @@ Earlier = Mapping[tuple[ir.OverRun, tuple[str, ...]], Truth]
 Parts = Callable[[ir.Formula], tuple[ir.Formula, ...] | None]
 
 
+@dataclass(slots=True)
+class Settled:
+    """What was found out of the cycles with which several histories begin: what machines may be in after each of them, and what formulas that look
+    back alone come to about it, by the node, the place of the cycle and what variables stand for.
+
+    No cycle that comes later changes any of it: windows that look back end in their own cycle, a machine is folded from the first cycle of a life up
+    to the one that is asked about, its guards look back alone, and which life an element lives in a cycle (`lived`) is known from those up to it.
+    """
+
+    values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
+    possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
+        default_factory=dict
+    )
+
+
 @cache
 def _looks_back(node: ir.OverRun) -> tuple[int, int]:
     """How far before a cycle the operands of an operator look for their values about it: nanoseconds, and cycles."""
@@ -100,26 +115,29 @@ def _first_known(node: ir.OverRun, cycles: Sequence[Past]) -> int:
 
 @dataclass(slots=True)
 class History:
-    """The cycles of a run up to now. ended: none will come after the last one. parts: down to which leaves formulas are taken apart."""
+    """The cycles of a run up to now. ended: none will come after the last one. parts: down to which leaves formulas are taken apart.
+
+    common: with how many cycles all others begin that share `settled` with it; they have the same `parts`, and nothing `earlier`.
+    """
 
     cycles: Sequence[Past]
     ended: bool = False
     parts: Parts = parts_of
     #: What operators without a bound make of the cycles before the first one here, for the elements that were there until then.
     earlier: Earlier = field(default_factory=dict)
-    _values: dict[tuple[ir.Formula, int, tuple[tuple[int, str], ...]], Known] = field(default_factory=dict)
-    #: What machines may be in after a cycle of a life, gone through from its first one on.
-    _possible: dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible] = field(
-        default_factory=dict
-    )
+    common: int = 0
+    settled: Settled = field(default_factory=Settled)
+    #: The same of cycles that no other history has, and of formulas that look ahead.
+    _own: Settled = field(default_factory=Settled)
     _known_lives: dict[ir.Axis, list[dict[str, Life | None]]] = field(default_factory=dict)
 
     def value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
         """The value of a formula about cycle k."""
         key = node, k, _sorted(ids)
-        known = self._values.get(key)
+        values = (self.settled if k < self.common and not looks_ahead(node) else self._own).values
+        known = values.get(key)
         if known is None:
-            known = self._values[key] = self._value(node, k, ids)
+            known = values[key] = self._value(node, k, ids)
         return known
 
     def _value(self, node: ir.Formula, k: int, ids: Ids) -> Known:
@@ -215,22 +233,23 @@ class History:
     def possible(self, machine: ir.Machine, k: int, ids: Ids) -> Possible:
         """What a machine may be in after cycle k: from the first cycle of its life on, cycle by cycle, each of which is gone through once."""
         own = _sorted(ids)
-        if (machine, k, own) in self._possible:
-            return self._possible[machine, k, own]
+        found = self._stepped(k).get((machine, k, own))
+        if found is not None:
+            return found
         if self.without(machine, ids, k):
             return unknown(machine)
         members = self._members(machine, ids, k)[0]
         sure = self._sure(machine, ids, k)
         possible = begun(machine, self.cycles[members[0]].t) if sure else unknown(machine)
         for before, this in zip((None, *members), members[: members.index(k) + 1]):
-            known = self._possible.get((machine, this, own))
+            known = self._stepped(this).get((machine, this, own))
             if known is None:
                 if before is not None and self._between(before, this):
                     gap = self.cycles[this].t - self.cycles[before].t
                     possible = widened(machine, possible, gap)
                 guards = [self._settled(guard, this, ids) for guard in machine.guards]
                 now = self._now(this)
-                known = self._possible[machine, this, own] = stepped(
+                known = self._stepped(this)[machine, this, own] = stepped(
                     machine,
                     possible,
                     now.t,
@@ -239,6 +258,10 @@ class History:
                 )
             possible = known
         return possible
+
+    def _stepped(self, k: int) -> dict[tuple[ir.Machine, int, tuple[tuple[int, str], ...]], Possible]:
+        """Where it is kept what machines may be in after cycle k."""
+        return (self.settled if k < self.common else self._own).possible
 
     def _recalled(self, node: ir.Formula, k: int, ids: Ids) -> Truth:
         now = self._now(k)
