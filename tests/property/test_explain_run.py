@@ -89,7 +89,7 @@ def _other(value: Any) -> Any:
             return [_other(each) for each in value]
         case int() | float():
             return -value
-        case str():
+        case str() | None:
             return value
         case _:
             raise AssertionError(f"a cycle has no {type(value).__name__}")
