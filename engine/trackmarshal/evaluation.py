@@ -265,11 +265,15 @@ class Evaluator:
     def refuse_straight(self, frame: Frame) -> None:
         """Raise TrackmarshalError D211 for a cycle of a run that lacks a curvature which rules follow: cases may, and go straight then, but no cycle
         is judged otherwise than those before it."""
-        absent = sorted(frame.straight & self._curvatures)
-        if absent:
+        if not self.takes(frame):
+            absent = sorted(frame.straight & self._curvatures)
             raise TrackmarshalError(
                 "D211", f"`{absent[0][0]}.{absent[0][1]}` is not there, and rules follow it", help="in a run every cycle has it; zeros go straight"
             )  # fmt: skip
+
+    def takes(self, frame: Frame) -> bool:
+        """Whether a frame has all curvatures that rules follow, as every cycle of a run does."""
+        return frame.straight.isdisjoint(self._curvatures)
 
     def only(self, names: Sequence[str]) -> Evaluator:
         """Some of the rules, for the frames of all."""
@@ -286,7 +290,7 @@ class Evaluator:
             return self._judge_all(frames)
 
     def _judge_all(self, frames: Sequence[Frame]) -> list[Judged]:
-        if not all(frame.straight.isdisjoint(self._curvatures) for frame in frames):
+        if not all(map(self.takes, frames)):
             return self._judge_apart(frames)
         try:
             return self.program.judge_all(frames)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from differential.test_c_over_run import exact, spec_of, told
 from support.run_formulas import formulas, runs
+from trackmarshal.backends.over_run.program import Remembering
 from trackmarshal.evaluation import Evaluator, loads
 
 
@@ -21,16 +22,22 @@ def test_it_is_as_if_all_had_been_asked(
 ) -> None:
     evaluator = Evaluator(loads(spec_of(drawn)), backend=backend)
     all_asked, some_asked = evaluator.over_run(), evaluator.over_run()
-    for cycle in cycles:
-        if cycle is None:
+    frames = [None if cycle is None else evaluator.read(cycle) for cycle in cycles]
+    program = evaluator.program
+    first = next(filter(None, frames), None)
+    for cycle, frame in zip(cycles, frames):
+        if cycle is None or frame is None:
             all_asked.missed()
             some_asked.missed()
             continue
         wanted = all_asked.step(evaluator.read(cycle)).rules
+        if frame is first and isinstance(program, Remembering):
+            # What most of the cycles say by themselves is there from here on.
+            program.ahead([one for one in frames if one is not None and dice.random() < 0.7])
         if dice.random() < 0.7:
-            some_asked.remember(evaluator.read(cycle))
+            some_asked.remember(frame)
             continue
-        found = some_asked.step(evaluator.read(cycle)).rules
+        found = some_asked.step(frame).rules
         for name, one in wanted.items():
             said = found[name]
             assert (said.verdict, exact(said.margin)) == (one.verdict, exact(one.margin)), (name, drawn)

@@ -9,7 +9,7 @@ from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from trackmarshal.backends.over_run.program import remembers
+from trackmarshal.backends.over_run.program import Remembering, remembers
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
@@ -187,7 +187,15 @@ def _cycles(evaluator: Evaluator, test: PreparedTest) -> tuple[Frame, ...]:
     return tuple(_read(evaluator, test, *cycle) for cycle in ((0.0, test.case["signals"]), *test.later))
 
 
+def _ahead(evaluator: Evaluator, cycles: Iterable[Frame]) -> None:
+    """Evaluate together what the cycles of a run say by themselves. Those that it refuses, and those that are gaps in it, are not evaluated."""
+    program = evaluator.program
+    if isinstance(program, Remembering):
+        program.ahead([frame for frame in cycles if not frame.faults and evaluator.takes(frame)])
+
+
 def _over_run(evaluator: Evaluator, test: PreparedTest, cycles: Sequence[Frame]) -> RuleResult:
+    _ahead(evaluator, cycles)
     run = evaluator.over_run()
     gaps = []
     *before, last = cycles

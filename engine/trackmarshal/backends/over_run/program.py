@@ -163,7 +163,8 @@ class Remembering:
         return Judged(frame, rated)
 
     def ahead(self, frames: Sequence[Frame]) -> None:
-        """Evaluate together what does not depend on what is remembered of other cycles; whoever judges one of these frames next finds it there."""
+        """Evaluate together what does not depend on what is remembered of other cycles; whoever judges one of these frames next, or remembers one that
+        is a case, finds it there."""
         self._ready, self._guessed = {}, {}
         if not self._courses.infos:
             found = self._seen([frame.seen() for frame in frames])
@@ -183,9 +184,13 @@ class Remembering:
         assert isinstance(memory, Remembered)
         if in_doubt(frame, decision):
             return self.missed(memory)
-        as_judged = drives_on(frame, decision) or (decision is None and not frame.candidates)
+        is_case = decision is None and not frame.candidates
+        as_judged = is_case or drives_on(frame, decision)
         if as_judged and self._last is not None and self._last[0] is frame:
             now = self._last[1]  # what is driven was judged as it is
+        elif is_case and (ready := self._ready.pop(id(frame), None)) is not None and ready[0] is frame:
+            ((_, one, outcomes),) = ready[1]  # not judged, and evaluated all the same
+            now = happening(one, outcomes.values())
         else:
             driven = self._courses.joined(memory.courses, as_driven(frame, decision))
             now = self._driven(frame, driven, decision)
