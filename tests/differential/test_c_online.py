@@ -197,8 +197,11 @@ def test_what_fails_on_the_way_is_on_the_way_of_all_that_is_beyond_it(
 @pytest.mark.parametrize(("window", "fits"), [("[0 s, 10 s]", False), ("", True)])
 def test_what_a_window_back_still_asks_for_is_not_overwritten(window: str, fits: bool) -> None:
     """Of 100 samples in 10 s, in a ring of 64, more are refused; without a beginning, none is asked for again."""
-    texts = (f"historically{window} (p.p > 0)", f"once{window} (p.p < 0)")
-    texts = (*texts, f"(p.p > -9) since{window} (p.p < 0)")
+    texts = (
+        f"historically{window} (p.p > 0)",
+        f"once{window} (p.p < 0)",
+        f"(p.p > -9) since{window} (p.p < 0)",
+    )
     rules = "".join(
         f'rule r{i} "made up"\n  along log as p\n  require {text}\n' for i, text in enumerate(texts)
     )
