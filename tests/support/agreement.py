@@ -16,6 +16,7 @@ import numpy as np
 from trackmarshal import evaluation
 from trackmarshal.backends.numpy import steps
 from trackmarshal.backends.reference.evaluator import Reference
+from trackmarshal.backends.reference.functions import Env, Functions, Number
 from trackmarshal.backends.results import outcome
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
@@ -171,14 +172,23 @@ class Measured(Reference):
     """The reference evaluator, which also keeps the magnitude of the largest finite number of any step."""
 
     def __init__(self, spec: Spec, case: Frame) -> None:
-        super().__init__(spec, case)
+        super().__init__(spec, case, functions=_Noting())
         self.largest = 0.0
 
-    def number(self, node: ir.Num, env: dict[int, int]) -> float:
-        value = super().number(node, env)
-        if math.isfinite(value):
-            self.largest = max(self.largest, abs(value))
-        return value
+
+class _Noting(Functions):
+    """Functions of nodes that tell a case each number on the way."""
+
+    def _number(self, node: ir.Num) -> Number:
+        made = super()._number(node)
+
+        def noted(case: Reference, env: Env) -> float:
+            value = made(case, env)
+            if isinstance(case, Measured) and math.isfinite(value):
+                case.largest = max(case.largest, abs(value))
+            return value
+
+        return noted
 
 
 def near_differences(spec: Spec, case: Frame, left: CaseResult, right: CaseResult) -> list[str]:
