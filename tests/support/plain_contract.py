@@ -59,7 +59,8 @@ def many(column: Any, one: Callable[[Any], Any], kinds: str) -> list[Any]:
         hidden = type(column) is np.ma.MaskedArray
         if hidden:
             demand(not np.ma.getmaskarray(column).any())
-        demand(column.dtype.kind in kinds or (column.dtype.kind == "O" and not hidden))
+        nobody = column.dtype.kind in "iuf" and len(column) == 0  # as numpy makes it of an empty list
+        demand(column.dtype.kind in kinds or nobody or (column.dtype.kind == "O" and not hidden))
         return [one(np.ma.getdata(column)[i]) for i in range(len(column))]
     return [one(value) for value in stored(column)]
 
