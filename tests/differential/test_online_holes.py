@@ -13,7 +13,6 @@ import trackmarshal as tm
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.ir.spec import Spec
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.saving import whole
 
 C = pytest.param("c", marks=pytest.mark.skipif(compiler() is None, reason="no C compiler"))
 BACKENDS = pytest.mark.parametrize("backend", ["reference", "numpy", C])
@@ -87,7 +86,7 @@ def test_a_supervisor_that_goes_on_from_elsewhere_forgets_who_was_who(backend: s
     assert not run.step(cycle(1, 0.1, objects=cars(a=20.0, b=1.0))).safe
     for number in (0, 1):
         assert other.step(cycle(number, 0.1 * number, objects=cars(a=1.0))).safe
-    other.supervisor.restore(whole(run.supervisor.saving()))
+    other.supervisor.restore(run.supervisor.save())
     for one in (run, other):
         decision = one.step(cycle(2, 0.2, objects=cars(a=1.0)))
         assert not decision.safe

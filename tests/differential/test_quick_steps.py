@@ -30,7 +30,6 @@ from trackmarshal.backends.c.supervisor import CSupervisor
 from trackmarshal.runtime.cycle import Cycle
 from trackmarshal.runtime.decision import Decision
 from trackmarshal.runtime.door.lines import line
-from trackmarshal.runtime.saving import whole
 from trackmarshal.supervision import supervisor
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
@@ -187,13 +186,13 @@ def test_goes_on_from_what_was_saved() -> None:
     one, other = Counted(), Counted()
     for number in range(6):
         one.step(framed(number))
-    other.made.restore(whole(one.made.saving()))
+    other.made.restore(one.made.save())
     assert other.made._quick.steps == 6
     for number in range(6, 10):
         same(one.step(framed(number)), other.step(framed(number)))
     for number in range(10, 13):
         other.step(framed(number))
-    other.made.restore(whole(one.made.saving()))  # one that has cycles like those before forgets that it has
+    other.made.restore(one.made.save())  # one that has cycles like those before forgets that it has
     for number in range(10, 15):
         same(one.step(framed(number)), other.step(framed(number)))
 

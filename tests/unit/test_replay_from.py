@@ -29,7 +29,6 @@ from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.record.decided import decided
 from trackmarshal.runtime.record.reading import Run, read
 from trackmarshal.runtime.record.snapshots import Snapshot
-from trackmarshal.runtime.saving import whole as whole_of
 from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.scenarios.supervised import recording_of
 from trackmarshal.supervision import box_of, nearest, rerun, supervisor
@@ -394,7 +393,8 @@ def _going_on(path: Path, backend: str, first: int, stop: int, lines: list[str])
         made.step(straight(number))
     made.close()
     assert (made.record_error, made.recorder.snapshot_error) == ("", "")
-    return whole_of(made.saving())
+    saved: list[str] = made.save()
+    return saved
 
 
 @pytest.mark.parametrize("backend", SAVING)

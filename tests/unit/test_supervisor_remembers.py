@@ -17,7 +17,6 @@ from trackmarshal.evaluation import Evaluator, loads
 from trackmarshal.runtime import supervisor as parts
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.faults import name_of
-from trackmarshal.runtime.saving import whole
 from trackmarshal.runtime.supervisor import Supervisor
 from trackmarshal.supervision import rulebox, supervisor
 
@@ -112,7 +111,7 @@ def test_cycles_that_were_lost_count_by_their_numbers(backend: str, saved: bool)
         if lost:
             assert [name_of(fault) for fault in rig.step().faults] == ["skipped"]
         if saved and backend != "reference":
-            lines = whole(rig.supervisor.saving())
+            lines = rig.supervisor.save()
             rig = Rig(few + 'rule steady "" require ego.v > 0 m/s\n', backend, at=(rig.now, rig.number))
             rig.supervisor.restore(lines)
         said = {one.rule for one in rig.step().advisories if one.verdict == "undefined"}
@@ -143,7 +142,7 @@ def test_what_was_saved_under_other_inputs_is_not_restored(backend: str, before:
     few = 'rule few "" require count(flag) <= 3\n'
     rig = Rig(few, backend)
     rig.step()
-    lines = whole(rig.supervisor.saving())
+    lines = rig.supervisor.save()
     assert before in SIGNALS
     with pytest.raises(TrackmarshalError, match="D164"):
         Rig(few, backend, SIGNALS.replace(before, after)).supervisor.restore(lines)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -53,6 +54,7 @@ from trackmarshal.runtime.saving import (
     save,
     spelt,
     unspelt,
+    whole,
 )
 from trackmarshal.runtime.stored import held_of, held_pieces
 
@@ -97,14 +99,21 @@ def watch(about: int, now: float, finished: float, limits: Limits) -> Timely:
     return Timely(about, fault("overrun", "cycle", "", None, message))
 
 
-class OfOneRun:
+class OfOneRun(ABC):
     """What is in the middle of a run: nobody copies or pickles it, since two of them would share, or lack, a part of what it remembers."""
 
     def __reduce_ex__(self, protocol: object) -> str:
         raise TypeError(
-            "a Supervisor is not copied: another one of the same rules and values goes on from where it is with `restore(whole(it.saving()))` "
-            "(`trackmarshal.runtime.saving`)"
+            "a Supervisor is not copied: another one of the same rules and values goes on from where it is with `restore(it.save())`"
         )
+
+    @abstractmethod
+    def saving(self) -> Saving:
+        """All that the next steps depend on, as it is now, to be saved piece by piece. Raises TrackmarshalError E486 for what cannot be saved."""
+
+    def save(self) -> list[str]:
+        """All that the next steps depend on, as lines of JSON (docs/supervisor.md). Raises TrackmarshalError E486 as `saving`."""
+        return whole(self.saving())
 
 
 class Supervisor(OfOneRun):
