@@ -126,9 +126,9 @@ def at_the_edges(layout: Layout, pool: Pool) -> list[Record]:
         one for one in looked if one is not None and one.kind.name == "decision" and one["driven"] == 1
     )
     kind, session, now = said.kind, said.head.session, said["now"]
-    due = list(said.column("driving", "due"))
+    due = list(said.due("driving"))
     stored = [
-        time + 1.0 for time in said.column("fallback", "due")
+        time + 1.0 for time in said.due("fallback")
     ]  # there is some left where the other one ends
 
     def decision(later: int, sequence: int, **changes: float) -> bytes:

@@ -690,7 +690,7 @@ def test_a_decision_is_about_the_cycle_as_it_was_numbered_and_stamped(c: C) -> N
     said = desk.decided(planner.cycle(7, t=0.68))
     assert (said["number"], said["t"], said["now"], said["safe"]) == (7, 0.68, 0.7, 1)
     for group in ("driving", "fallback"):
-        assert said.column(group, "due").tolist() == [t + 0.68 for t in PLAN["t"]]
+        assert said.due(group).tolist() == [t + 0.68 for t in PLAN["t"]]
     for k, (number, stamp) in enumerate(((0, 1), (1, 0))):
         message = bytearray(planner.cycle(8)[-1][1])
         kind.put(message, "numbered", number)
@@ -713,7 +713,7 @@ def test_samples_that_a_large_stamp_moves_to_one_time_are_decided_about(c: C) ->
     said = desk.decided(list(planner.channel.kept))
     assert said["safe"] == 1
     for group in ("driving", "fallback"):
-        assert said.column(group, "due").tolist() == [1e6, 1e6 + 2.0, 1e6 + 2.0]
+        assert said.due(group).tolist() == [1e6, 1e6 + 2.0, 1e6 + 2.0]
     executing = Executing(c.layout, simulated=True)
     assert executing.hear(bytes(said.data)) == "none"
     assert executing.at(1e6).action == "drive"
