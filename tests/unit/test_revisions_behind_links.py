@@ -8,6 +8,7 @@ import pytest
 
 from support.planted.edits import run_git
 from trackmarshal.cli import revisions
+from trackmarshal.cli.git import asking
 from trackmarshal.errors import TrackmarshalError
 
 NOW = "module a\n# now\n"
@@ -43,7 +44,11 @@ def then(car: Path, *more: str) -> dict[str, str]:
     found = [path for path in sorted(into.rglob("**/*")) if path.is_file()]
     # Python before 3.13 does not follow links to folders here, and later ones do.
     found += [
-        path for link in into.rglob("*") if link.is_symlink() and link.is_dir() for path in link.iterdir()
+        path
+        for link in into.rglob("*")
+        if link.is_symlink() and link.is_dir()
+        for path in link.iterdir()
+        if path.is_file()
     ]
     return {path.relative_to(into).as_posix(): path.read_text("utf-8") for path in found}
 
@@ -96,6 +101,66 @@ def test_links_that_lead_to_nothing_that_is_read(car: Path, tmp_path: Path) -> N
     assert then(car) == {"specs/own.spec": "module own\n", "specs/elsewhere.spec": NOW}
 
 
+@pytest.mark.parametrize(("at", "target"), [("here", "."), ("specs/car", ".."), ("specs/all", "../..")])
+def test_a_link_to_the_project_or_around_it(at: str, target: str, car: Path) -> None:
+    """Was an internal error."""
+    (car / at).symlink_to(target)
+    commit(car.parent)
+    assert then(car)["specs/own.spec"] == "module own\n"
+
+
+@pytest.mark.parametrize("kept", ["kept", "../kept"])
+@pytest.mark.parametrize("named", ["logs", "logs/of"])
+def test_a_folder_that_is_named_and_is_behind_a_link(named: str, kept: str, car: Path) -> None:
+    """It was missing; of one below it, git was asked for the link that it is not (T361), and beside a spec or document, nothing else of it was there."""
+    put(car, f"{kept}/of/log.jsonl", THEN)
+    put(car, f"{kept}/of/about.yaml", THEN)
+    (car / "logs").symlink_to(kept)
+    commit(car.parent)
+    into = car.parent.parent / "then"
+    then(car, named)
+    assert (into / "logs" / "of" / "log.jsonl").read_text("utf-8") == THEN
+    assert (into / "logs" / "of" / "about.yaml").read_text("utf-8") == THEN
+
+
+def test_a_link_in_a_folder_that_is_named(car: Path) -> None:
+    put(car, "logs/a.jsonl", NOW)
+    put(car, "more", THEN)
+    (car / "logs" / "b.jsonl").symlink_to("../more")
+    commit(car.parent)
+    assert then(car, "logs")["logs/b.jsonl"] == THEN
+
+
+def test_a_file_behind_a_link_of_which_git_keeps_something_else(car: Path) -> None:
+    """As Git LFS does: the pointer stood for the recording."""
+    for way, said in (("clean", "s/then/kept/"), ("smudge", "s/kept/then/")):
+        run_git(car.parent, "config", f"filter.other.{way}", f"sed {said}")
+    put(car.parent, ".gitattributes", "car/kept/* filter=other\n")
+    put(car, "kept/log.jsonl", THEN)
+    (car / "log.jsonl").symlink_to("kept/log.jsonl")
+    commit(car.parent)
+    assert "kept" in run_git(car, "show", "HEAD:./kept/log.jsonl")
+    assert then(car, "log.jsonl")["log.jsonl"] == THEN
+
+
+def test_git_is_not_asked_of_each_link(car: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two processes for every link there was, whatever it leads to."""
+    (car / "modules").mkdir()
+    put(car, "program", "")
+    for number in range(20):
+        (car / "modules" / str(number)).symlink_to("../program")
+    commit(car.parent)
+    asked = []
+
+    def counted(folder: Path, *words: str) -> list[str]:
+        asked.append(words)
+        return asking(folder, *words)
+
+    monkeypatch.setattr("trackmarshal.cli.revisions.asking", counted)
+    then(car)
+    assert 0 < len(asked) < 20
+
+
 @pytest.mark.parametrize("at", ["log.jsonl", "logs/log.jsonl", "lib/log.jsonl", "lib/logs/log.jsonl"])
 def test_what_is_named_behind_a_link_or_in_a_submodule(at: str, car: Path, tmp_path: Path) -> None:
     submodule(car, tmp_path, "logs/log.jsonl")
@@ -127,6 +192,25 @@ def test_specs_in_a_submodule(car: Path, tmp_path: Path) -> None:
     put(lib, "specs/a.spec", NOW)
     commit(lib)
     assert then(car)["lib/specs/a.spec"] == THEN
+
+
+def test_a_link_into_a_submodule(car: Path, tmp_path: Path) -> None:
+    """To git it leads nowhere: the specs were missing."""
+    lib = submodule(car, tmp_path, "all/a.spec")
+    (car / "specs" / "lib").symlink_to("../lib/all")
+    (car / "specs" / "none").symlink_to("../lib/none")
+    commit(car.parent)
+    put(lib, "all/a.spec", NOW)
+    assert then(car)["specs/lib/a.spec"] == THEN
+
+
+def test_a_folder_of_a_submodule(car: Path, tmp_path: Path) -> None:
+    """Beside a document, nothing else of it was there."""
+    lib = submodule(car, tmp_path, "logs/log.jsonl")
+    put(lib, "logs/about.yaml", THEN)
+    commit(lib)
+    commit(car.parent)
+    assert then(car, "lib/logs")["lib/logs/log.jsonl"] == THEN
 
 
 def test_a_submodule_that_lacks_the_commit(car: Path, tmp_path: Path) -> None:

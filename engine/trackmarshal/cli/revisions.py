@@ -44,6 +44,15 @@ class _Entry(NamedTuple):
     path: str
 
 
+class _Led(NamedTuple):
+    """What a commit has where the links on a path lead."""
+
+    path: str
+    kind: str
+    id: str
+    size: int
+
+
 def commit_of(name: str, project: Path) -> str:
     """The commit that a name stands for; raises T361."""
     _git(project, "rev-parse", "--show-prefix", name=name)
@@ -76,11 +85,10 @@ def read(name: str, project: Path, into: Path, *, called: str = "") -> Path:
     if specs:  # else the folder may not be there, an error to git: what is lacking says whoever asked
         _read(commit, called or name, project, into, (), _of_specs)
     _left_out(commit, called or name, project, into, specs, _MOST)
-    links = [one.path for one in entries if one.mode == _LINK]
-    _behind(commit, called or name, project, into, links, _of_specs)
     for one in entries:
         if one.mode == _SUBMODULE and _is_checked_out(one, called or name, project):
             read(one.id, project / one.path, into / one.path, called=called or name)
+    _behind(commit, called or name, project, into, _links(entries), (), _of_specs)
     return into
 
 
@@ -93,12 +101,11 @@ def read_more(commit: str, project: Path, into: Path, paths: Iterable[str], *, c
     for chunk in (there[n : n + _CHUNK] for n in range(0, len(there), _CHUNK)):
         _read(commit, called, project, into, chunk, _of_any)
     _left_out(commit, called, project, into, there, _MOST_OF_ANY)
-    left = [path for path in wanted if not (into / path).exists() and ".." not in Path(path).parts]
-    if not left:
-        return
-    links = [one.path for one in entries if one.mode == _LINK]
-    _behind(commit, called, project, into, [*links, *left], _of_any)
-    for one in _entries(commit, called, project):
+    links = _links(entries)
+    found = {str(one) for path in there for one in (Path(path), *Path(path).parents)}
+    left = [path for path in wanted if str(Path(path)) not in found and ".." not in Path(path).parts]
+    _behind(commit, called, project, into, links, [path for path in left if path not in links], _of_any)
+    for one in _entries(commit, called, project) if left else ():
         within = [path.removeprefix(f"{one.path}/") for path in left if path.startswith(f"{one.path}/")]
         if one.mode == _SUBMODULE and within and _is_checked_out(one, called, project):
             read_more(one.id, project / one.path, into / one.path, within, called=called)
@@ -116,42 +123,67 @@ def _files(entries: Iterable[_Entry]) -> list[str]:
     return [one.path for one in entries if one.mode.startswith("100")]
 
 
+def _links(entries: Iterable[_Entry]) -> list[str]:
+    return [one.path for one in entries if one.mode == _LINK]
+
+
 def _behind(
     commit: str,
     name: str,
     project: Path,
     into: Path,
-    paths: Sequence[str],
+    links: Sequence[str],
+    over: Sequence[str],
     wanted: Callable[[tarfile.TarInfo], bool],
 ) -> None:
-    """Write what a commit has at paths that are links, or lead over one: where a folder of the project is meant, the link, so that it stays one folder.
+    """Write what a commit has at paths that are links, or lead over one. Of specs, a link to a folder of the project stays one, so that it stays one folder.
 
     What lies outside of the repository is the same in all revisions.
     """
-    folders: list[Path] = []
-    for path, kind, id_ in _led_to(commit, name, project, paths):
-        place = into / path
-        if place.exists() or place.is_symlink():
+    made: list[Path] = []
+    known = set(links)
+    for one in _led_to(commit, name, project, [*links, *over]):
+        place = into / one.path
+        stays = place.exists() or place.is_symlink()
+        member = tarfile.TarInfo(one.path)
+        member.size = one.size
+        if one.kind == "tree" and wanted is _of_any:
+            _read_tree(one.id, name, project, place, wanted)
+        elif stays or (one.kind == "blob" and not wanted(member)):
             continue
-        place.parent.resolve().mkdir(parents=True, exist_ok=True)
-        if kind == "blob":
-            member = tarfile.TarInfo(path)
-            member.size = int(_git(project, "cat-file", "-s", id_, name=name))
-            if wanted(member):
-                place.write_bytes(_bytes(project, "cat-file", "blob", id_, name=name))
-        elif kind == "tree":
-            target = _target(commit, name, project, path)
-            if Path(target).parts[0] == "..":
-                top = Path(_git(project, "rev-parse", "--show-toplevel", name=name).rstrip("\n"))
-                _read(id_, name, top, place, (), wanted)
-            else:
+        elif one.kind == "blob":
+            place.parent.resolve().mkdir(parents=True, exist_ok=True)
+            at = _target(commit, name, project, one.path) if one.path in known else one.path
+            place.write_bytes(_filtered(one.id, name, project, at))
+        elif one.kind == "symlink" and (project / one.path).exists():
+            place.parent.resolve().mkdir(parents=True, exist_ok=True)
+            place.symlink_to((project / one.path).resolve())
+        elif one.path in known and one.kind in ("tree", "dangling"):
+            target = _target(commit, name, project, one.path)
+            if target.partition("/")[0] != "..":
+                place.parent.resolve().mkdir(parents=True, exist_ok=True)
                 place.symlink_to(into / target, target_is_directory=True)
-                folders.append(place)
-        elif kind == "symlink" and (project / path).exists():
-            place.symlink_to((project / path).resolve())
-    for place in folders:
-        if not place.exists():  # nothing of what it leads to was wanted
+                made.append(place)
+            elif one.kind == "tree":
+                _read_tree(one.id, name, project, place, wanted)
+    for place in made:
+        if not place.exists():  # nothing of what it leads to was wanted, or is there
             place.unlink()
+
+
+def _read_tree(
+    tree: str, name: str, project: Path, into: Path, wanted: Callable[[tarfile.TarInfo], bool]
+) -> None:
+    """Write a folder, wherever in the repository it is."""
+    top = Path(_git(project, "rev-parse", "--show-toplevel", name=name).rstrip("\n"))
+    _read(tree, name, top, into, (), wanted)
+
+
+def _filtered(blob: str, name: str, project: Path, path: str) -> bytes:
+    """A file as a checkout has it, at a path from the project, by which it has its attributes: Git LFS keeps something else in its place."""
+    prefix = _git(project, "rev-parse", "--show-prefix", name=name).rstrip("\n")
+    at = posixpath.normpath(posixpath.join(prefix, path))
+    return _bytes(project, "cat-file", "--filters", f"--path={at}", blob, name=name)
 
 
 def _target(commit: str, name: str, project: Path, path: str) -> str:
@@ -160,8 +192,8 @@ def _target(commit: str, name: str, project: Path, path: str) -> str:
     return posixpath.normpath(posixpath.join(posixpath.dirname(path), said))
 
 
-def _led_to(commit: str, name: str, project: Path, paths: Sequence[str]) -> Iterator[tuple[str, str, str]]:
-    """By path, what kind of thing a commit has where links lead, and its object; `symlink` where that is outside of the repository."""
+def _led_to(commit: str, name: str, project: Path, paths: Sequence[str]) -> Iterator[_Led]:
+    """What a commit has where links lead: `symlink` where that is outside of the repository, `dangling` where it is in a submodule, or nowhere."""
     named = [path for path in paths if "\n" not in path]
     if not named:
         return
@@ -173,10 +205,10 @@ def _led_to(commit: str, name: str, project: Path, paths: Sequence[str]) -> Iter
             continue
         about = head.decode().split()
         if len(about) == 2:  # what a link leads to that leads to nothing here
-            yield path, about[0], ""
+            yield _Led(path, about[0], "", 0)
             rest = rest[int(about[1]) + 1 :]
         else:
-            yield path, about[1], about[0]
+            yield _Led(path, about[1], about[0], int(about[2]))
 
 
 def _is_checked_out(submodule: _Entry, name: str, project: Path) -> bool:
