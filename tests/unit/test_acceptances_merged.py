@@ -101,6 +101,15 @@ def test_in_a_history_that_is_cut_off(root: Path, tmp_path: Path) -> None:
     assert [one.code for one in acceptances.check(tmp_path / "clone", BASELINE)] == ["T381", "T380"]
 
 
+def test_in_a_history_that_is_as_long_as_was_asked_for(root: Path, tmp_path: Path) -> None:
+    """Git calls that clone shallow, too: the warning stood there of a history that is whole."""
+    accept(root, "S-1")
+    accept(root, "S-2")
+    for depth, found in (("1", ["T381"]), ("2", [])):
+        run_git(tmp_path, "clone", "-q", "--depth", depth, root.as_uri(), depth)
+        assert [one.code for one in acceptances.check(tmp_path / depth, BASELINE)] == found
+
+
 def test_behind_more_versions_than_are_looked_at(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(acceptances, "MOST", 2)
     for name in ("S-1", "S-3", "S-4"):

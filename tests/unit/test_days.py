@@ -107,6 +107,14 @@ def test_a_history_that_is_cut_off(robot: Path, tmp_path: Path) -> None:
     assert "warning[T348]" in out
 
 
+def test_a_history_that_is_as_long_as_was_asked_for(robot: Path, tmp_path: Path) -> None:
+    """Git calls that clone shallow, too, and nothing of it is cut off."""
+    git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2021-01-01T00:30:00 +0200")
+    git(tmp_path, "clone", "-q", "--depth", "2", robot.parent.as_uri(), "clone")
+    clone = tmp_path / "clone" / "robot"
+    assert doubts("commit", day("commit", clone), clone) == []
+
+
 def test_a_commit_that_is_yet_to_come(robot: Path) -> None:
     """Of the one that is checked out nobody knows the day; one before it, of a clock that was wrong, changes nothing."""
     git(robot, "commit", "-q", "--allow-empty", "-m", "second", when="2098-01-01T12:00:00 +0200")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from support.planted.edits import run_git
+from trackmarshal.cli.git import asking
 from trackmarshal.cli.recorded import recorded
 from trackmarshal.trace.case.inputs import Recorded
 
@@ -40,6 +41,25 @@ def test_a_history_that_is_cut_off_has_no_commit_of_what_is_older(
     said = found(tmp_path / "clone")
     assert said.author == author
     assert (said == NOT_KNOWN) is (not author)
+
+
+def test_git_is_not_asked_of_each_review_whether_the_history_is_cut_off(root: Path, tmp_path: Path) -> None:
+    text = "reviews:\n" + "".join(f"  - id: RV-{n}\n    outcome: accepted\n" for n in range(20))
+    (root / "people.yaml").write_text(text, "utf-8")
+    run_git(root, "commit", "-qam", "more")
+    run_git(tmp_path, "clone", "-q", "--depth", "1", root.as_uri(), "clone")
+    asked: list[tuple[str, ...]] = []
+
+    def counted(folder: Path, *words: str) -> list[str]:
+        asked.append(words)
+        return asking(folder, *words)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("trackmarshal.cli.recorded.asking", counted)
+        found = recorded(tmp_path / "clone", {f"RV-{n}": ("people.yaml", 2 + 2 * n) for n in range(20)})
+    assert set(found.values()) == {NOT_KNOWN}
+    assert len(found) == 20
+    assert len(asked) < 20
 
 
 @pytest.mark.parametrize(

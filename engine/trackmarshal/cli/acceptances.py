@@ -15,7 +15,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.git import answer, asking, refused, surroundings
+from trackmarshal.cli.git import answer, asking, cut, refused, surroundings
 
 if TYPE_CHECKING:
     from trackmarshal.trace import Finding, Place
@@ -201,7 +201,6 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
     path = root / baseline
     place = Place(baseline)
     commits, named, whole = _versions(root, baseline, along=True)
-    cut = _git(root, "rev-parse", "--is-shallow-repository").strip() == "true"
     versions = [
         ("", _in_lines(path.read_bytes())),
         *(
@@ -263,7 +262,7 @@ def _along(root: Path, baseline: str) -> Iterator[Finding]:
             return
         # An acceptance is on top of what there was: who edited that by hand, and has something else accepted afterwards, is found all the same.
         number, accepted = older, True
-    if cut:
+    if cut(root):
         yield warning(
             "T381",
             "who accepted the baseline is not known: the history of the clone is cut",

@@ -8,7 +8,7 @@ from datetime import date, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trackmarshal.cli.git import answer, refused
+from trackmarshal.cli.git import answer, cut, refused
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def doubts(said: str | None, found: date, root: Path) -> list[Finding]:
 
     if said != COMMIT or found >= date.today():
         return []
-    if answer(root, "rev-parse", "--is-shallow-repository").strip() != "true":
+    if not cut(root):
         return []
     message = f"that the commit was made on {found} is what it says: the history of the clone is cut, and with it the days of what it comes after"
     return [warning("T348", message, None, "`git fetch --unshallow`, or name a day")]

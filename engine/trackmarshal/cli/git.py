@@ -54,6 +54,18 @@ def answer(folder: Path, *words: str, errors: str = "backslashreplace", timeout:
     ).stdout  # fmt: skip
 
 
+def cut(folder: Path) -> frozenset[str]:
+    """The first commits that a shallow clone has of a longer history: to git, whatever is older was written in them. Raises as `answer` does."""
+    path = folder / answer(folder, "rev-parse", "--git-path", "shallow").removesuffix("\n")
+    first = path.read_text("utf-8").split() if path.is_file() else []
+    if not first:
+        return frozenset()
+    # Where as many commits were asked for as there are, the very first one stands there, too. What is told here are parents as a commit has them.
+    told = answer(folder, "rev-list", "--no-walk", "--ignore-missing", "--header", *first).split("\0")
+    heads = (one.partition("\n\n")[0] for one in told)
+    return frozenset(head.partition("\n")[0] for head in heads if "\nparent " in head)
+
+
 def refused(problem: OSError | subprocess.SubprocessError) -> tuple[str, str]:
     """Why git gave no answer, in its own words: what is wrong, and what it says can be done about that; empty where it says nothing of it."""
     if isinstance(problem, OSError):
@@ -69,4 +81,4 @@ def refused(problem: OSError | subprocess.SubprocessError) -> tuple[str, str]:
     return f"git: {what.removeprefix('fatal: ')}", " ".join(more)
 
 
-__all__ = ["answer", "asking", "refused", "surroundings"]
+__all__ = ["answer", "asking", "cut", "refused", "surroundings"]

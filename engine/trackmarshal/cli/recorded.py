@@ -9,7 +9,7 @@ from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 from typing import Any
 
-from trackmarshal.cli.git import asking, surroundings
+from trackmarshal.cli.git import asking, cut, surroundings
 from trackmarshal.trace.case.inputs import Recorded
 
 #: What git calls the commit of lines that are in none yet.
@@ -29,7 +29,10 @@ def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Rec
     with the keys of whoever asks.
     """
     found: dict[str, Recorded] = {}
-    cut = _cut(root)
+    try:
+        older = cut(root)
+    except (OSError, subprocess.SubprocessError):
+        return found
     for file in sorted({file for file, _ in places.values()}):
         lines = _blame(root, file)
         records = _records(root / file) if lines else {}
@@ -38,18 +41,9 @@ def recorded(root: Path, places: Mapping[str, tuple[str, int]]) -> dict[str, Rec
                 continue
             first, last = records.get(line, (line, line))
             commits = {lines[n] for n in range(first, last + 1) if n in lines}
-            unknown = _NONE in commits or any("\nparent " in _head(root, one) for one in commits & cut)
+            unknown = _NONE in commits or commits & older
             found[name] = Recorded("", "", "", False) if unknown else _last(root, sorted(commits))
     return found
-
-
-def _cut(root: Path) -> frozenset[str]:
-    """The first commits that a shallow clone has: to git, whatever is older was written in them."""
-    try:
-        path = root / _git(root, "rev-parse", "--git-path", "shallow").strip()
-        return frozenset(path.read_text("utf-8").split())
-    except OSError:  # the clone is whole
-        return frozenset()
 
 
 def _blame(root: Path, file: str) -> dict[int, str]:

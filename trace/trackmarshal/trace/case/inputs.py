@@ -16,7 +16,7 @@ from trackmarshal.trace.model import Project
 
 
 class Recorded(NamedTuple):
-    """The commit in which a record was last changed; commit: "" for one that is in none yet; signed: whether the commit carries a signature."""
+    """The commit in which a record was last changed; commit: "" for one that is in none that is known here; signed: whether the commit carries a signature."""
 
     commit: str
     author: str
