@@ -105,6 +105,15 @@ def test_a_history_that_is_cut_off(robot: Path, tmp_path: Path) -> None:
     assert doubts("2020-07-01", date(2020, 7, 1), clone) == doubts(None, date.today(), clone) == []
     out = command(clone, "trace", "--as-is", "--day", "commit")[1]
     assert "warning[T348]" in out
+    for words in (
+        ("trace", "--statistics", "--day"),
+        ("gsn", "--day"),
+        ("case", "--format", "html", "--out", str(tmp_path), "--day"),
+    ):
+        assert "warning[T348]" in command(clone, *words, "commit")[2]
+        assert "T348" not in command(clone, *words, "2020-07-01")[2]
+    made = command(clone, "case", "--format", "html", "--out", str(tmp_path))  # as of the commit
+    assert "warning[T348]" in made[2]
 
 
 def test_a_history_that_is_as_long_as_was_asked_for(robot: Path, tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.answers import commit
-from trackmarshal.cli.days import COMMIT, day
+from trackmarshal.cli.days import COMMIT, day, warn
 from trackmarshal.cli.drawing import drawings
 from trackmarshal.cli.output import print_problem, say
 from trackmarshal.cli.project import find_project, spec_folders
@@ -208,7 +208,10 @@ def _day(said: str | None, root: Path) -> date:
     """The day that is said, or that of the project's commit; the clock's where neither is. Raises T348."""
     if said is None and not commit(root):
         return date.today()
-    return day(COMMIT if said is None else said, root)
+    said = COMMIT if said is None else said
+    found = day(said, root)
+    warn(said, found, root)
+    return found
 
 
 def _lapsed(given: Inputs) -> Iterable[tuple[str, date]]:

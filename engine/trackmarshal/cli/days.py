@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import subprocess
+import sys
 from datetime import date, timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trackmarshal.cli.git import answer, cut, refused
+from trackmarshal.cli.output import say
 from trackmarshal.errors import TrackmarshalError
 
 if TYPE_CHECKING:
@@ -64,6 +66,12 @@ def doubts(said: str | None, found: date, root: Path) -> list[Finding]:
     return [warning("T348", message, None, "`git fetch --unshallow`, or name a day")]
 
 
+def warn(said: str | None, found: date, root: Path) -> None:
+    """Say that beside what a command writes, which has no findings in it."""
+    for doubt in doubts(said, found, root):
+        say(*str(doubt).split("\n"), file=sys.stderr)
+
+
 def _of_commit(root: Path) -> str:
     """The day of the checked-out commit, where its committer was: whoever dates it back would have waivers hold that have expired, so that it is
     no earlier than those that it comes after; of them, what a wrong clock says is yet to come is left out."""
@@ -83,4 +91,4 @@ def _of_commit(root: Path) -> str:
     return max(one for one in days if one <= latest)
 
 
-__all__ = ["CODES", "COMMIT", "configure", "day", "doubts"]
+__all__ = ["CODES", "COMMIT", "configure", "day", "doubts", "warn"]

@@ -47,6 +47,7 @@ def run(args: argparse.Namespace) -> int:
 
     root = find_project(args)
     today = days.day(args.day, root)
+    days.warn(args.day, today, root)
     found = assess(root, run=False, quiet=args.quiet)
     matrix = found.matrix(today)
     case = build(matrix, found.project, root)

@@ -83,6 +83,7 @@ def _run(args: argparse.Namespace) -> int:
         if args.impact is not None:
             return impact.answer(root, args)
         today = days.day(args.day, root)
+        days.warn(args.day, today, root)
         return asking.answer(assess(root, run=False, quiet=args.quiet).matrix(today), args)
     if args.against is not None and args.format != "html":
         raise TrackmarshalError(
