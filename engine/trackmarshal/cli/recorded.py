@@ -106,7 +106,7 @@ def _head(root: Path, commit: str) -> str:
     named = _ENCODING.search(head)
     try:
         return head.decode("utf-8" if named is None else named[1].decode("ascii"))
-    except (UnicodeDecodeError, LookupError):
+    except (ValueError, LookupError):
         return head.decode("utf-8", "replace")
 
 
