@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -52,9 +53,44 @@ def test_the_comparison_that_is_found_has_the_margin(
 def test_what_is_settled_of_cycles_holds_whatever_comes_after_them(
     formula: str, cycles: list[dict[str, Any] | None]
 ) -> None:
+    _held_against_each_by_itself(
+        f'{SIGNALS}rule f "x"\n  whenever weak previous flag\n  require {formula}\n', cycles
+    )
+
+
+_MACHINES = """state lamp : { off, on } starts off
+  becomes on from off when flag
+    remember speed = ego.v
+  becomes off from on when not flag or ego.v > ego.w
+state side : { near, far } for each o in objects starts near
+  becomes far from near when o.v > 0 m/s
+    remember speed = o.v
+  becomes near from far when o.v <= ego.v
+"""
+_IN_MACHINES = (
+    "lamp is on",
+    "once[0 s, 0.5 s] lamp is on",
+    "ego.v >= lamp.speed",
+    "time_in(lamp) <= 0.3 s",
+    "for all o in objects: side(o) is near",
+    "for all o in objects: o.v >= side(o).speed",
+    "exists o in objects: previous side(o) is far",
+    "eventually[0 s, 0.5 s] lamp is on",
+)
+
+
+@pytest.mark.parametrize("formula", _IN_MACHINES)
+@settings(deadline=None)
+@given(runs())
+def test_so_is_what_machines_may_be_in(formula: str, cycles: list[dict[str, Any] | None]) -> None:
+    """The last cycle, in which candidates differ, leads machines elsewhere than what was driven in it."""
+    _held_against_each_by_itself(f'{SIGNALS}{_MACHINES}rule f "x"\n  require {formula}\n', cycles)
+
+
+def _held_against_each_by_itself(text: str, cycles: list[dict[str, Any] | None]) -> None:
     """Histories of one run, up to each of its cycles, find out together what each finds out by itself; of the last cycle, one candidate has another
     value than what was driven in the end."""
-    spec = loads(f'{SIGNALS}rule f "x"\n  whenever weak previous flag\n  require {formula}\n')
+    spec = loads(text)
     evaluator = Evaluator(spec)
     (rule,) = evaluator.rules
     assert rule.formula is not None
