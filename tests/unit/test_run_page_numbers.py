@@ -7,6 +7,7 @@ import math
 import re
 import statistics
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +15,16 @@ import pytest
 
 from support.report_runs import SPEC, cycle, evaluator, other, overtaking, recording
 from trackmarshal.backends.over_run.history import History
+from trackmarshal.backends.over_run.keeping import past
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.backends.results import outcome, rule_result
 from trackmarshal.explaining.moments import MOST, MOST_REMEMBERED, chosen, told_moments
-from trackmarshal.explaining.telling import told
+from trackmarshal.explaining.telling import told, told_over_run
 from trackmarshal.runtime.verdict import RuleResult
 from trackmarshal.scenarios.recording import Recording
 from trackmarshal.scenarios.replay import replay
 from trackmarshal.scenarios.run_record import run_record
-from trackmarshal.scenarios.supervised import frame_at
+from trackmarshal.scenarios.supervised import frame_at, run_until
 from trackmarshal.trace.report.pages import write_report
 from trackmarshal.trace.report.reading import Run, read_run
 from trackmarshal.trace.report.run_view import run_context
@@ -89,6 +91,25 @@ def test_moments_of_a_run_are_told_as_each_by_itself(tmp_path: Path, monkeypatch
     assert record(tmp_path, overtaking(), text)["told"] == made
     several = {entry["rule"] for entry in made if len(entry["cycles"]) > 1}
     assert several >= {"beside", "kept", "soon"}
+
+
+def test_a_moment_after_cycles_that_are_missing_is_told_as_explain_tells_it(tmp_path: Path) -> None:
+    """Of a run's record, cycles lack that were lost on the way: the verdict is undefined there, and is not told by the cycle before them."""
+    rule = '\nrule drove "It has been driving"\n  require weak previous ego.v > 0 m/s\n'
+    whole = overtaking()
+    there = [replace(each, missing=2 if number == 8 else 0) for number, each in enumerate(whole.cycles)]
+    run = replace(whole, cycles=tuple(there))
+    rules = evaluator(tmp_path, SPEC + rule)
+    made = record(tmp_path, run, SPEC + rule)
+    judged, before, missing = run_until(run, rules, {}, 8)
+    place = [each.name for each in rules.rules].index("drove")
+    found = {who: lines for name, who, number, lines in moments(made) if (name, number) == ("drove", 8)}
+    assert found.keys() == {"driving", "emergency"}
+    for candidate, lines in found.items():
+        this = past(rules.spec, judged.about.of(candidate), missing)
+        result = judged.rated[candidate].explain(place, False)
+        assert result.verdict == "undefined"
+        assert lines == told_over_run(rules.rules[place], result, History([*before, this]))[3:]
 
 
 def test_numbers_by_hand_with_units(tmp_path: Path) -> None:

@@ -99,6 +99,7 @@ class _Run:
 
     def __init__(self, replay: Replay, evaluator: Evaluator) -> None:
         self._cycles = replay.cycles
+        self._given = replay.recording.cycles
         self._spec = evaluator.spec
         self._functions = Functions(often=True)
         #: By cycle and candidate: what rules have in common is computed once.
@@ -156,11 +157,12 @@ class _Run:
     def _remembered(self) -> Iterator[tuple[int, int]]:
         """For each cycle how many are missing right before it, and how many before it are remembered."""
         missed = 0
-        for cycle in self._cycles:
+        for cycle, given in zip(self._cycles, self._given):
+            missed += given.missing if self._kept else 0  # what comes before the first cycle is no gap
             yield missed, len(self._kept)
             frame, decision = _seen(cycle)
             if decision.judged is None or in_doubt(frame, decision):
-                missed += bool(self._kept)  # what comes before the first cycle is no gap
+                missed += bool(self._kept)
             else:
                 self._kept.append(past(self._spec, as_driven(frame, decision), missed, self._functions))
                 missed = 0
