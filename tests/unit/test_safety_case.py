@@ -375,6 +375,14 @@ def test_a_template_that_nothing_uses_is_refused(name: str, meant: str, tmp_path
     assert not list(unused(tmp_path, NAMES))
 
 
+def test_styles_of_other_pages_below_the_folder_are_left_alone(tmp_path: Path) -> None:
+    """Templates may lie in a folder with much else, such as `docs`."""
+    (tmp_path / "hazards.html.j2").write_text("ours", "utf-8")
+    (tmp_path / "_static").mkdir()
+    (tmp_path / "_static" / "site.css").write_text("body {}", "utf-8")
+    assert not list(unused(tmp_path, NAMES))
+
+
 PAGE = Path(__file__).parents[2] / "docs" / "safety-case.md"
 
 
