@@ -175,23 +175,6 @@ def test_so_are_limits_that_stand_for_all_of_them(backend: str) -> None:
         assert tm.supervisor(spec, backend=backend, limits=limits, params=params).limits == limits
 
 
-def test_check_refuses_signals_that_no_supervisor_takes_where_one_is_declared(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """Who looked at the specs alone heard of it from the first Supervisor that was made of them."""
-    limits = tmp_path / "limits.spec"
-    limits.write_text("module supervisor.limits\nparam samples : 1 = 300\n", "utf-8")
-    fast = "module fast\nsignal plan : trajectory { t: s increasing, v: km/h }\nrule r for all p in plan require p.v > 0 km/h\n"
-    (tmp_path / "fast.spec").write_text(fast, "utf-8")
-    assert main(["check", str(tmp_path)]) == 2
-    err = capsys.readouterr().err
-    assert "error[E482]: `plan.v` is declared in km/h, not in m/s" in err
-    assert "fast.spec:2" in err
-    limits.unlink()  # rules alone take any unit
-    main(["check", str(tmp_path)])
-    assert "E482" not in capsys.readouterr().err
-
-
 def test_other_limits_are_declared_with_their_units(tmp_path: Path) -> None:
     spec = declared(tmp_path, "param longest_gap : ms = 250 ms\nparam turned : deg = 10 deg")
     assert tm.Limits.of(spec) == tm.Limits(longest_gap=0.25, turned=math.radians(10.0))

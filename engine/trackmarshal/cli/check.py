@@ -77,14 +77,11 @@ def examine(compiled: Compiled, project: Path | None) -> list[Diagnostic | Track
 
 
 def unlimited(compiled: Compiled) -> list[TrackmarshalError]:
-    """What is wrong with the limits that the specs declare for a Supervisor, or else with the signals that it reads."""
-    from trackmarshal.runtime.contract.signals import supervised
+    """What is wrong with the limits that the specs declare for a Supervisor."""
     from trackmarshal.runtime.cycle import Limits
 
-    spec = compiled.spec
     try:
-        if Limits.of(spec).declared(spec) and not compiled.errors:  # of signals with errors, not all is known
-            supervised(spec)
+        Limits.of(compiled.spec)
     except TrackmarshalError as error:
         return [error]
     return []
