@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import hashlib
 import os
 import platform
@@ -34,6 +35,9 @@ FAST = ("-O2", *UNSIGNALLED)
 SHARED = ("-shared", "-fPIC")
 #: Where Linux tells of processors.
 PROCESSORS = Path("/proc/cpuinfo")
+#: What compilers are told, so that they say in one language why a disk takes nothing.
+_ENGLISH = {"LC_ALL": "C"}
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 
 
 def own_machine() -> tuple[str, ...]:
@@ -176,11 +180,23 @@ def _compile(
         for file, text in files.items():
             (place / file).write_text(text, encoding="utf-8")
         for words in (*(["-fsyntax-only", unit] for unit in checked), ["-o", "made", *units]):
-            done = subprocess.run(
-                [*command, *flags, *words], cwd=place, capture_output=True, text=True, check=False
-            )
+            try:
+                done = subprocess.run(
+                    [*command, *flags, *words],
+                    cwd=place,
+                    capture_output=True,
+                    text=True,
+                    check=False,
+                    env={**os.environ, **_ENGLISH},
+                )
+            except OSError as error:
+                message = f"`{' '.join(command)}` cannot be run: {error}"
+                raise TrackmarshalError("E471", message, help="name another compiler in $CC") from error
             if done.returncode != 0:
-                raise TrackmarshalError("E472", f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}")
+                message = f"`{' '.join(command)}` says: {done.stderr.strip()[:2000]}"
+                if any(os.strerror(cause) in done.stderr for cause in _NO_ROOM):
+                    raise OSError(message)
+                raise TrackmarshalError("E472", message)
         target = root / f"{name}-{_hash(place / 'made')}.{ending}"
         os.replace(place / "made", target)
     return target
