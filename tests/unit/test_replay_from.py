@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import tempfile
 from dataclasses import replace
@@ -416,6 +417,39 @@ def test_a_run_that_goes_on_from_another_one(backend: str, tmp_path: Path) -> No
     assert caught.value.code == "E486"
     noted = "before cycle 4 it went on from where another run had been saved; what rules remembered of that is not known here"
     assert noted in recording_of(path.read_bytes(), "run", "run").notes
+
+
+def test_what_a_run_goes_on_from_is_written_once_the_disk_takes_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Cycles whose rows nobody can judge without it do not stand there without it: a replay called them decided otherwise."""
+    path, spec, now, full = tmp_path / "run.arrows", rules(), 0.0, False
+    saved = _going_on(tmp_path / "before.arrows", "numpy", 0, 34, [])
+    made: Any = supervisor(
+        spec, None, "numpy", Limits(overspeed=1e3, budget=1e9), lambda: now, record=path, snapshots=0
+    )
+    real = os.write
+
+    def write(file: int, data: Any) -> int:
+        if full:
+            raise OSError(28, "No space left on device")
+        return real(file, data)
+
+    monkeypatch.setattr(os, "write", write)
+    for number in range(30, 50):
+        if number == 34:
+            full = True
+            made.restore(saved)
+            assert "No space left" in made.record_error
+        if number == 35:
+            full = False
+        now = round((number + 1) / 10, 9)
+        made.step(straight(number))
+    made.close()
+    run = read(path.read_bytes(), "run")
+    assert (run.damage, len(run.cycles), run.missed, list(run.restored)) == ("", 19, 1, [4])
+    again = rerun(run, box_of(run, spec))
+    assert [differing for _, differing in again if differing and differing[0].place < 4] == []
 
 
 def test_a_step_saves_a_little(tmp_path: Path) -> None:

@@ -55,6 +55,8 @@ def replay_record(
         say(f"note: {path}: {other}", file=sys.stderr)
     if run.damage and not quiet and format_ != "text":
         say(f"note: {path}: {run.damage}", file=sys.stderr)
+    if run.went_on and not quiet and format_ != "text":
+        say(f"note: {path}: {run.went_on}", file=sys.stderr)
     first = 0 if begin is None else _place(begin, run, path)
     snapshot, refused = (None, None) if begin is None else nearest(run, box, first)
     if refused is not None and not quiet:

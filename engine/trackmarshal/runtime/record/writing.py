@@ -80,6 +80,8 @@ class Record:
         #: How long the file is up to its last whole row, and cycles since then that have none.
         self._end = 0
         self._missed = 0
+        #: What the next cycles rest on, as long as it could not be written.
+        self._resting = ""
         #: How many rows the file has.
         self._rows = 0
         #: How many cycles there were, which the last row says.
@@ -119,6 +121,8 @@ class Record:
         """One more row. Raises OSError where the disk refuses it; the file then ends with the row before, and the next row that can be
         written says how many are missing."""
         number = -1 if decision.number is None else decision.number
+        if self._resting:
+            self._rest()
         times = [self._rows, number, decision.t, *readings, self._missed]
         self._missed += 1  # until it is written
         self._cycles += 1
@@ -149,8 +153,20 @@ class Record:
         self._cycles += 1
 
     def restored(self, lines: Sequence[str]) -> None:
-        """The next cycles rest on what this snapshot says, and not on the rows before. Raises OSError where the disk refuses it."""
-        self._add(self._no_cycle(-1, 0, self._snapshots.restored(lines)))
+        """The next cycles rest on what this snapshot says, and not on the rows before. Raises OSError where the disk refuses it; the next cycle then
+        has no row before it has one."""
+        self._resting = self._snapshots.restored(lines)
+        self._add(self._no_cycle(-1, 0, self._resting))
+        self._resting = ""
+
+    def _rest(self) -> None:
+        """What could not be written of where the run goes on from, before a cycle; where that has no row again, it has none either."""
+        try:
+            self._add(self._no_cycle(-1, 0, self._resting))
+        except OSError:
+            self.stopped()
+            raise
+        self._resting = ""
 
     @property
     def snapshot_error(self) -> str:
