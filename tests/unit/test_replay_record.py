@@ -535,6 +535,11 @@ def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:
             ["violations: recorded c, now b, c"],
         ),
         ("state", "drive", "previous_emergency", ["state: recorded 'drive', now 'previous_emergency'"]),
+        # What somebody has changed by hand.
+        ("verdicts.driving", "sz?", "szu", ["c of driving: recorded ?, now undefined"]),
+        ("violations", "{", "[]", ["violations: recorded '{', now '[]'"]),
+        ("violations", "[1]", "[]", ["violations: recorded '[1]', now '[]'"]),
+        ("violations", "[{}]", "[]", ["violations: recorded '[{}]', now '[]'"]),
     ],
 )
 def test_a_difference_names_its_rules(column: str, old: Any, new: Any, said: list[str]) -> None:

@@ -7,6 +7,7 @@ import math
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -165,14 +166,15 @@ def _summary(
 
 
 def told(difference: Difference, rules: Sequence[str]) -> list[str]:
-    """What was recorded and what is, of verdicts and margins by rule: nobody counts letters. Margins that differ in nothing but how NaN is written, and
-    columns that are not of these rules, are told as they stand."""
+    """What was recorded and what is, of verdicts and margins by rule: nobody counts letters. Margins that differ in nothing but how NaN is written, what
+    was never written so, and columns that are not of these rules, are told as they stand."""
     column, _, candidate = difference.column.partition(".")
     old, new, said = difference.recorded, difference.now, list[str]()
     if column in ("verdicts", "margins") and len(old) == len(new) == len(rules):
         about = "" if column == "verdicts" else "margin of "
         was, now = (
-            [_VERDICT[x] if column == "verdicts" else repr(float(x)) for x in each] for each in (old, new)
+            [_VERDICT.get(x, x) if column == "verdicts" else repr(float(x)) for x in each]
+            for each in (old, new)
         )
         said = [
             f"{about}{name} of {candidate}: recorded {a}, now {b}"
@@ -180,11 +182,12 @@ def told(difference: Difference, rules: Sequence[str]) -> list[str]:
             if a != b
         ]
     elif column == "violations":
-        named = [
-            ", ".join(dict.fromkeys(one["rule"] for one in json.loads(each))) or "nothing"
-            for each in (old, new)
-        ]
-        said = [f"violations: recorded {named[0]}, now {named[1]}"] if named[0] != named[1] else []
+        with suppress(ValueError, KeyError, TypeError):  # a record that somebody has changed
+            named, names = (
+                ", ".join(dict.fromkeys(one["rule"] for one in json.loads(each))) or "nothing"
+                for each in (old, new)
+            )
+            said = [f"violations: recorded {named}, now {names}"] if named != names else []
     return said or [f"{difference.column}: recorded {old!r:.60}, now {new!r:.60}"]
 
 
