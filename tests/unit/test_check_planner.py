@@ -19,6 +19,8 @@ from support.schemas import hold
 from support.shared import shared
 from support.supervised import ROOT
 from trackmarshal.cli.main import main
+from trackmarshal.integration.mapping import Column
+from trackmarshal.integration.records import by_names
 from trackmarshal.ir.spec import Spec
 from trackmarshal.scenarios import content
 
@@ -185,6 +187,14 @@ def test_the_car_and_others_are_read_by_the_words_of_the_plan(spec: Spec, course
     assert [str(f) for f in report.findings if f.level == "broken"] == []
     for place, cycle in enumerate(report.cycles):
         same(cycle, place, but=("s", "kappa", "a"))
+
+
+def test_a_word_of_the_plan_comes_before_others_that_are_like_the_field() -> None:
+    """A ship that drifts does not head for where it goes: of its plan's `cog`, the record's is `cog`, though `heading` stands before it."""
+    plan = {"heading": Column("heading", "cog", "deg"), "v": Column("v", "sog", "kn")}
+    names = ["heading", "speed", "cog", "sog"]
+    assert by_names(names, ("heading", "v"), plan) == {"heading": "cog", "v": "sog"}
+    assert by_names(names, ("heading", "v"), {}) == {"heading": "heading", "v": "speed"}
 
 
 @pytest.mark.parametrize("cycles", [2, CYCLES])

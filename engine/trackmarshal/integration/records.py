@@ -15,13 +15,13 @@ from trackmarshal.integration.names import likeness
 
 
 def by_names(names: list[str], fields: tuple[str, ...], plan: Mapping[str, Column]) -> dict[str, str]:
-    """Field -> the name that is most like it, each name once. What a column of the plan is called, so is the field of a record."""
+    """Field -> the name that is most like it, each name once. What a column of the plan is called, so is the field of a record, whatever else is like it."""
     called = {
         field: c.column for field, c in plan.items() if not c.column.isdigit()
     }  # a place in a row is no name
     ranked = sorted(
         (
-            (-1.0 if called.get(f) == n else -likeness(n, f), i, n, f)
+            (-2.0 if called.get(f) == n else -likeness(n, f), i, n, f)
             for f in fields
             for i, n in enumerate(names)
         ),
