@@ -483,8 +483,9 @@ def test_a_tail_that_creeps(spec: Spec) -> None:
     assert "emergency = tm.cut_at_rest(emergency)" in report.adapter
 
 
+@pytest.mark.parametrize("stands", [0, 3])
 @pytest.mark.parametrize(("last", "creeps"), [(3.0, False), (5.9, False), (6.1, True), (60.0, True)])
-def test_who_brakes_slowly_does_not_creep(last: float, creeps: bool) -> None:
+def test_who_brakes_slowly_does_not_creep(last: float, creeps: bool, stands: int) -> None:
     """A ship stops in a minute, and looks ahead in steps of 3 s: its last one is as long as all others. It creeps where it brakes less than half as hard in it."""
     contract = tm.loads("""
 module ship
@@ -505,12 +506,16 @@ rule ends "At rest"
             "v": [*v[:-1], 0.0],
             "x": [*x[:-1], x[-2] + v[-2] * last / 2.0],
         }
+        behind = {name: [values[-1]] * stands for name, values in slow.items()}  # it stays where it stands
+        behind["t"] = [slow["t"][-1] + 3.0 * i for i in range(1, stands + 1)]
+        slow = {name: [*values, *behind[name]] for name, values in slow.items()}
         ego = {"x": x[0], "y": 0.0, "heading": 0.0, "v": 6.0}
         raws.append(
             {"t": 5.0 * number, "ego": ego, "candidates": {"driving": {**plan, "t": t}, "emergency": slow}}
         )
     report = tm.check_planner(raws, contract)
-    assert ("the last step to rest takes" in str(report)) == creeps
+    assert (f"the last step to rest takes up to {last:.3g} s" in str(report)) == creeps
+    assert ("tm.cut_at_rest" in str(report)) == creeps
 
 
 def test_a_straight_road_does_not_tell_all(spec: Spec) -> None:

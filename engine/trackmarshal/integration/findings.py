@@ -20,7 +20,7 @@ from trackmarshal.runtime.faults import name_of
 from trackmarshal.scenarios.field.log import MOVING
 from trackmarshal.scenarios.field.sides import are_exchanged, exchanged
 from trackmarshal.scenarios.inputs import with_default
-from trackmarshal.trajectories.rest import cut
+from trackmarshal.trajectories.rest import cut, first_at_rest
 
 #: A fault at the door -> what to do.
 ADVICE = {
@@ -210,12 +210,18 @@ def of_motion(made: Mapped, times: Sequence[float]) -> Iterator[Finding]:
 
 
 def _creeps(plan: dict[str, Any] | None) -> float | None:
-    """How long the last step to rest takes, where that is longer than 2 s and cut at rest it is over in less than half; None otherwise, as where all steps are long."""
+    """How long the last step to rest takes, where that is longer than 2 s and cut at rest it is over in less than half; None otherwise, as where all steps are long.
+
+    Samples that stand behind it are no part of it: nothing moves in them.
+    """
     if plan is None or not {"t", "x", "y", "v"} <= plan.keys() or len(plan["t"]) < 2 or plan["v"][-1] != 0.0:
         return None
     columns = {name: list(map(float, values)) for name, values in plan.items()}
-    step = columns["t"][-1] - columns["t"][-2]
-    sooner = columns["t"][-1] - cut(columns).columns["t"][-1]
+    rest = first_at_rest(columns["v"])
+    if not rest:  # it stands all along
+        return None
+    step = columns["t"][rest] - columns["t"][rest - 1]
+    sooner = columns["t"][rest] - cut(columns).columns["t"][-1]
     return step if step > 2.0 and sooner > step / 2.0 else None
 
 
