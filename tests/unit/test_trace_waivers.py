@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from golden.trace.cases import TODAY, Small
 from trackmarshal import trace
+from trackmarshal.trace.cells import Cell
+from trackmarshal.trace.findings import Place
+from trackmarshal.trace.gates import Waivers
+from trackmarshal.trace.model import Project, Waiver
 from trackmarshal.trace.render.table import render_markdown
+from trackmarshal.trace.values import Placed
 
 PERSONS = """document: assurance
 title: Who did what
@@ -220,6 +228,46 @@ def test_one_that_is_granted_anew_before_the_other_ends_is_needed(
         "approver: the safety manager, granted: 2026-06-01, expires: 2026-12-31}\n",
     )
     assert [finding.subject for finding in made.matrix().findings if finding.code == "T232"] == needless
+
+
+@pytest.mark.parametrize(
+    ("stages", "requirements", "statuses", "said"),
+    [
+        ("S", "R-1, R-2", {"R-1": "missing", "R-2": "covered"}, "R-2"),
+        ("S", "R-1, R-2", {"R-1": "missing", "R-2": "partial"}, ""),
+        ("S", "R-1, R-2", {"R-1": "missing", "R-2": "failed"}, ""),  # open again, perhaps, when it is mended
+        ("S", "R-1, R-2", {"R-1": "missing", "R-2": "stale"}, ""),
+        ("S", "R-1, R-3", {"R-1": "missing"}, ""),  # no such one, which is told otherwise (T127)
+        ("S", "R-*", {"R-1": "missing", "R-2": "covered"}, ""),
+        ("S, T", "R-1", {"R-1": "missing"}, "T"),
+        ("S, T", "R-1, R-2", {"R-1": "missing", "R-2": "covered"}, "R-2, T"),
+        ("S", "R-1, R-2", {"R-1": "covered", "R-2": "covered"}, "all"),
+    ],
+)
+def test_a_part_of_a_waiver_whose_gap_is_closed_is_told(
+    stages: str, requirements: str, statuses: dict[str, str], said: str
+) -> None:
+    """Beside a requirement that needs it, one that is covered by now was excused when it is not any more, and nobody had looked at that."""
+
+    def placed(words: str) -> tuple[Placed, ...]:
+        return tuple(Placed.at(word, Place("v-model.yaml", 1)) for word in words.split(", ") if word)
+
+    (name, other) = placed("W-1, B")
+    day = date(2026, 6, 1)
+    waiver = Waiver(name, placed(stages), placed(requirements), (), (), "", "", "A", other, day, day)
+    waivers = Waivers(Project(waivers=(waiver,)), day)
+    cells: dict[str, dict[str, Cell]] = {}
+    for id_, status in statuses.items():
+        requirement: Any = SimpleNamespace(id=id_)
+        stage: Any = SimpleNamespace(id="S")
+        cells[id_] = {
+            "S": waivers.cell(Cell(status, ()), requirement, stage),
+            "T": Cell("covered", ()),
+        }
+    found = [finding.message for finding in waivers.check(cells)]
+    parts = ", ".join(f"`{part}`" for part in said.split(", "))
+    of = {"": [], "all": ["the waiver `W-1` excuses nothing"]}
+    assert found == of.get(said, [f"the waiver `W-1` excuses nothing of {parts}"])
 
 
 @pytest.mark.parametrize(

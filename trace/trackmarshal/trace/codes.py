@@ -108,7 +108,7 @@ CODES: dict[str, tuple[str, str]] = {
     "T229": ("never applied", "The rule, or the monitor of the assumption, was evaluated in replayed scenarios, and in no cycle of any of them did it apply. Whether it watches what it is to watch, no data has shown."),
     "T230": ("a cell is not covered", "The gate in v-model.yaml demands that this requirement is covered at this stage. The message lists what keeps it open."),
     "T231": ("a waiver does not hold", "The waiver has expired, or its day has not come. It excuses nothing."),
-    "T232": ("a waiver is not needed", "The gap that the waiver excuses is closed, or never was."),
+    "T232": ("a waiver is not needed", "The gap that the waiver excuses is closed, or never was. Where that is so of some of its requirements or stages alone, these are named: strike them, so that nobody is excused of a gap that opens there later."),
     "T233": ("not to be waived", "Only gaps can be waived. Loose ends, failures and unreadable files are mended."),
     "T234": ("a waiver approved by its owner", "Who answers for a gap cannot accept its residual risk as well: the approver is another role than the owner."),
     "T235": ("a waiver for longer than a year", "A waiver is for a while. After a year at the latest somebody looks at the gap again, and grants it anew or closes it."),

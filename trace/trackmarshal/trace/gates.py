@@ -79,6 +79,12 @@ class Waivers:
                     "T232", "warning", f"the waiver `{name}` excuses nothing", place, "strike it: the gap is closed", name,
                     rests_on=tuple(dict.fromkeys(_excused(waiver, cells))),
                 )  # fmt: skip
+            elif closed := _closed(waiver, cells):
+                parts = ", ".join(f"`{part}`" for part in closed)
+                yield Finding(
+                    "T232", "warning", f"the waiver `{name}` excuses nothing of {parts}", closed[0].place,
+                    "strike it there: the gap is closed, and one that opens later is excused", name, rests_on=tuple(map(str, closed)),
+                )  # fmt: skip
             for code in waiver.codes:
                 if code not in WAIVABLE:
                     help_ = "findings that can be waived: " + ", ".join(sorted(WAIVABLE))
@@ -94,6 +100,20 @@ def _excused(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> Iterato
             yield from (
                 item.name for stage, cell in row.items() if stage in waiver.stages for item in cell.items
             )
+
+
+def _closed(waiver: Waiver, cells: Mapping[str, Mapping[str, Cell]]) -> list[Placed]:
+    """The requirements and stages of a waiver all of whose cells are covered; what failed, or is stale, may be a gap again when that is mended."""
+
+    def covered(requirements: Iterable[Placed], stages: Iterable[Placed]) -> bool:
+        about = [row for id_, row in cells.items() if matches(id_, requirements)]
+        found = {row[stage].status for row in about for stage in stages if stage in row}
+        return found == {"covered"}
+
+    closed = [one for one in waiver.requirements if covered([one], waiver.stages)]
+    if len(closed) < len(waiver.requirements):  # else no stage has more to say
+        closed += [one for one in waiver.stages if covered(waiver.requirements, [one])]
+    return closed
 
 
 def check(project: Project, cells: Mapping[str, Mapping[str, Cell]]) -> Iterator[Finding]:
