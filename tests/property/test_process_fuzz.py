@@ -127,9 +127,7 @@ def at_the_edges(layout: Layout, pool: Pool) -> list[Record]:
     )
     kind, session, now = said.kind, said.head.session, said["now"]
     due = list(said.due("driving"))
-    stored = [
-        time + 1.0 for time in said.due("fallback")
-    ]  # there is some left where the other one ends
+    stored = [time + 1.0 for time in said.due("fallback")]  # there is some left where the other one ends
 
     def decision(later: int, sequence: int, **changes: float) -> bytes:
         data = bytearray(said.data)
