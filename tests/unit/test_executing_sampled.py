@@ -86,9 +86,9 @@ signal ego : state { x: m, y: m, heading: rad, v: m/s }
 rule fast for all p in plan require p.v <= 60 m/s
 """
 #: When its samples are due, and what it is about in each: no climbing on the way from `land` to `hover`.
-DUE, INTENTS = (0.0, 1.0, 2.0, 3.0), (0.0, 2.0, 1.0, 1.0)
+DUE, INTENTS = (0.0, 1.0, 2.0, 3.0), (0.0, 2.0, 1.0, 2.0)
 #: At a time: what it is about, and where it is.
-ABOUT = {-0.5: (0.0, 0.0), 0.0: (0.0, 0.0), 0.5: (0.0, 5.0), 1.0: (2.0, 10.0), 1.5: (2.0, 15.0), 1.999: (2.0, 19.99), 2.0: (1.0, 20.0), 3.0: (1.0, 30.0)}  # fmt: skip
+ABOUT = {-0.5: (0.0, 0.0), 0.0: (0.0, 0.0), 0.5: (0.0, 5.0), 1.0: (2.0, 10.0), 1.5: (2.0, 15.0), 1.999: (2.0, 19.99), 2.0: (1.0, 20.0), 2.9: (1.0, 29.0), 3.0: (2.0, 30.0)}  # fmt: skip
 
 
 def as_double(bits: str) -> float:
