@@ -43,7 +43,7 @@ oldest:  ## the tests with the least versions that pyproject.toml names, in an e
 acceptance: $(STAMP) $(LOOP)/.ready lint  ## every "Done when" point that can be a command; takes longer than CI
 	sh tests/embedded/tools.sh
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt pyarrow  # reads our records independently
-	TRACKMARSHAL_FUZZ_CYCLES=60000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=300000 TRACKMARSHAL_CYCLES=100000 TRACKMARSHAL_COMPILED=2000 \
+	TRACKMARSHAL_FUZZ_CYCLES=60000 TRACKMARSHAL_KILLS=200 TRACKMARSHAL_GENERATED=10000 TRACKMARSHAL_FUZZ=300000 TRACKMARSHAL_CYCLES=100000 TRACKMARSHAL_COMPILED=1000 \
 	TRACKMARSHAL_RUNS=10000 TRACKMARSHAL_SEEDS=40 TRACKMARSHAL_WRAPS=4 TRACKMARSHAL_EXAMPLES=60 TRACKMARSHAL_OPTIMIZED=1 \
 		$(BIN)/python -m pytest $(PARALLEL) --no-loadscope-reorder --durations=60 -m ""
 	-TRACKMARSHAL_STEPS=1000000 $(BIN)/trackmarshal bench supervisor  # shown, not asserted: how busy the machine is counts too; `make bench` has all

@@ -18,8 +18,9 @@ from trackmarshal.runtime.verdict import VERDICTS
 
 pytestmark = [pytest.mark.skipif(compiler() is None, reason="no C compiler"), pytest.mark.verifies("S-1-B-1")]
 
-#: A tenth of those of the Supervisor whose rules remember nothing: each takes three times as long.
-RUNS = max(amount(2, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 20)
+#: A fiftieth of those of the Supervisor whose rules remember nothing: each takes three times as long, and what made-up specs
+#: remember is compared elsewhere by the thousand (property/test_forgetting.py, differential/test_c_forgetting.py).
+RUNS = max(amount(2, 8), int(os.environ.get("TRACKMARSHAL_RUNS", "0")) // 50)
 PARTS = amount(1, 4)
 
 
@@ -36,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("pairs", [at_length(False), True], ids=["elements", "pairs"])
 @pytest.mark.parametrize("part", range(PARTS))
 def test_generated_runs(part: int, pairs: bool, folder: Path) -> None:
-    """TRACKMARSHAL_RUNS=20*N makes N runs of 50 cycles with faults of every kind; pairs: with rules of pairs of elements, too, else a quarter
+    """TRACKMARSHAL_RUNS=50*N makes N runs of 50 cycles with faults of every kind; pairs: with rules of pairs of elements, too, else a quarter
     of the runs: those rules are among the others."""
     names = NAMES + NAMES_OF_PAIRS * pairs
     verdicts, driven = Counter[tuple[str, str]](), Counter[str]()
