@@ -45,7 +45,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ("    Const | Param | Column", "    Weight | Const | Param | Column"),
         ],
         {
-            "backends/reference/evaluator.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
+            "backends/reference/functions.py", "backends/numpy/code.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
             "backends/undefined.py", "ir/constants.py", "ir/reads.py", "semantics/advice/bounds.py",
         },
     ),
@@ -56,7 +56,7 @@ ADDED: dict[str, tuple[str, list[tuple[str, str]], set[str]]] = {
             ("    Truth | Flag | Compare", "    Sorcery | Truth | Flag | Compare"),
         ],
         {
-            "backends/reference/evaluator.py", "backends/numpy/formulas.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
+            "backends/reference/functions.py", "backends/numpy/formulas.py", "backends/c/functions/expressions.py", "backends/c/layout.py",
             "backends/witness.py", "ir/margins.py", "ir/reads.py", "semantics/advice/bounds.py",
             "testing/moving.py",
         },
