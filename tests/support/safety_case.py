@@ -91,8 +91,9 @@ def made_ready(folder: Path) -> Path:
 
 def html(project: Path, *arguments: str, expect: int | None = None) -> Page:
     out = project / "out" / "case"
-    day = () if "--day" in arguments else ("--day", DAY)
-    status, _, err = command(project, "case", "--out", str(out), "--format", "html", *day, *arguments)
+    unsaid = (("--day", DAY), ("--format", "html"))
+    given = [word for option in unsaid if option[0] not in arguments for word in option]
+    status, _, err = command(project, "case", "--out", str(out), *given, *arguments)
     assert expect is None or status == expect, err
     assert status in (0, 1), err
     return Page((out / "safety-case.html").read_text("utf-8"))

@@ -74,7 +74,13 @@ def test_a_rule_rests_on_the_constraints_on_what_it_reads(read: str) -> None:
     assert (of(8, 7) != of(8, 5)) == (read != "top")
 
 
-RULES = [rule.name for rule in everything().rules if rule.formula is not None]
+#: Those that this project rests on: v-model.yaml leaves out the rulebook for maps of lanes.
+ELSEWHERE = "specs/interstate/"
+RULES = [
+    rule.name
+    for rule in everything().rules
+    if rule.formula is not None and not str(rule.span.file.path).startswith(ELSEWHERE)
+]
 
 
 @pytest.mark.parametrize("name", shared_out(RULES, 32))
