@@ -196,6 +196,8 @@ def test_waivers_have_an_owner_a_reason_and_an_end() -> None:
         assert len(waiver.justification) > 20
         assert waiver.approver not in ("", waiver.owner)
         assert len(waiver.residual_risk) > 20
+        assert waiver.granted is not None
+        assert waiver.expires is not None
         assert waiver.granted < waiver.expires <= a_year_after(waiver.granted)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -16,7 +17,9 @@ from trackmarshal.trace.cells import Cell
 from trackmarshal.trace.findings import Place
 from trackmarshal.trace.gates import Waivers
 from trackmarshal.trace.model import Project, Waiver
+from trackmarshal.trace.render.data import render as render_json
 from trackmarshal.trace.render.table import render_markdown
+from trackmarshal.trace.render.text import render as render_text
 from trackmarshal.trace.values import Placed
 
 PERSONS = """document: assurance
@@ -303,3 +306,30 @@ def test_a_table_for_a_merge_request_says_of_what_a_finding_is_waived(tmp_path: 
     assert "- **W-2** (T255 of S-1-A-1:measurement, one, approved by other, " in render_markdown(
         made.matrix()
     )
+
+
+@pytest.mark.parametrize(
+    ("granted", "expires", "codes"),
+    [
+        ('""', "9999-12-31", ["T125"]),
+        ("2026-01-01", '""', ["T125"]),
+        ("2026-02-30", '"?"', ["T125", "T125"]),
+        ("0001-01-01", "9999-12-31", ["T235"]),
+        ("0001-01-01", "0001-01-01", ["T231"]),
+    ],
+)
+def test_a_waiver_without_its_days_never_holds_and_the_first_day_that_there_is_is_a_day(
+    granted: str, expires: str, codes: list[str], tmp_path: Path
+) -> None:
+    """A day that could not be read was shown as the first one of the year 1; and one that was granted on that day held for ever, and nothing was said."""
+    made = Small.copy(tmp_path)
+    settings = made.root / "requirements" / "v-model.yaml"
+    text = re.sub(r"granted: \S+", f"granted: {granted}", settings.read_text("utf-8"))
+    settings.write_text(re.sub(r"expires: \S+", f"expires: {expires}", text), "utf-8")
+    matrix = made.matrix()
+    assert [f.code for f in matrix.findings if f.code in ("T125", "T231", "T235")] == codes
+    waived = any(cell.status == "waived" for row in matrix.rows for cell in row.cells.values())
+    assert waived == ("T235" in codes)
+    shown = [render_markdown(matrix), render_text(matrix), render_json(matrix)]
+    if "T125" in codes:
+        assert not any("0001-01-01" in text for text in shown)

@@ -218,7 +218,7 @@ def _lapsed(given: Inputs) -> Iterable[tuple[str, date]]:
     """Waivers that held on the day of the commit, and hold no longer."""
     now = date.today()
     for waiver in given.matrix.waivers:
-        if waiver.granted <= given.matrix.today <= waiver.expires < now:
+        if waiver.holds(given.matrix.today) and waiver.expires is not None and waiver.expires < now:
             yield str(waiver.id), waiver.expires
 
 

@@ -8,7 +8,7 @@ from datetime import date
 
 from trackmarshal.trace.cells import Cell, Item
 from trackmarshal.trace.findings import Finding, error
-from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, matches
+from trackmarshal.trace.model import Demand, Project, Requirement, Stage, Waiver, day_said, matches
 from trackmarshal.trace.values import Placed
 
 #: Findings that somebody may answer for. All others are mistakes, to be mended.
@@ -23,7 +23,7 @@ class Waivers:
     def __init__(self, project: Project, today: date) -> None:
         self._all = project.waivers
         self._today = today
-        self._holding = [w for w in project.waivers if w.granted <= today <= w.expires]
+        self._holding = [w for w in project.waivers if w.holds(today)]
         self._used: set[str] = set()
 
     def cell(self, cell: Cell, requirement: Requirement, stage: Stage) -> Cell:
@@ -35,7 +35,7 @@ class Waivers:
         )
         if waiver is None:
             return cell
-        detail = f"{waiver.owner}, {waiver.granted} until {waiver.expires}: {waiver.justification}"
+        detail = f"{waiver.owner}, {day_said(waiver.granted)} until {day_said(waiver.expires)}: {waiver.justification}"
         item = Item("waiver", waiver.id, "", "waived", detail, waiver.id.place)
         return Cell("waived", (item, *cell.items))
 
@@ -48,7 +48,7 @@ class Waivers:
         )
         if waiver is None:
             return found
-        message = f"{found.message} (waived by {waiver.id} until {waiver.expires}: {waiver.justification})"
+        message = f"{found.message} (waived by {waiver.id} until {day_said(waiver.expires)}: {waiver.justification})"
         return replace(found, level="note", message=message, excused=True)
 
     def _first(self, fitting: Iterable[Waiver]) -> Waiver | None:
@@ -61,7 +61,7 @@ class Waivers:
         """What is wrong with the waivers themselves (T231 to T233)."""
         for waiver in self._all:
             place, name = waiver.id.place, str(waiver.id)
-            if date.min in (waiver.granted, waiver.expires):
+            if waiver.granted is None or waiver.expires is None:
                 continue  # a day that cannot be read was reported where it stands
             if waiver.expires < self._today:
                 message = f"the waiver `{name}` expired on {waiver.expires}"

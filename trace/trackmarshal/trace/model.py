@@ -282,8 +282,17 @@ class Waiver:
     residual_risk: str
     owner: str
     approver: Placed
-    granted: date
-    expires: date
+    granted: date | None  #: None where it does not say a day, as was reported
+    expires: date | None
+
+    def holds(self, day: date) -> bool:
+        """Whether it excuses anything on a day; without both of its days, it never does."""
+        return self.granted is not None and self.expires is not None and self.granted <= day <= self.expires
+
+
+def day_said(day: date | None) -> str:
+    """A day as readers see it, YYYY-MM-DD, and `?` where none could be read."""
+    return "?" if day is None else day.isoformat()
 
 
 @dataclass(frozen=True, slots=True)

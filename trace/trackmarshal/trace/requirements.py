@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import date
 from pathlib import Path
 
 from trackmarshal.trace import entries, model
@@ -186,7 +185,7 @@ def _evidence(t: Table) -> model.Evidence:
 def _waiver(t: Table) -> model.Waiver:
     return model.Waiver(
         t.text("id"), t.texts("stages"), t.texts("requirements"), t.texts("codes"), t.texts("subjects"), t.text("justification"),
-        t.text("residual_risk"), t.text("owner"), t.text("approver"), t.get("granted", date.min), t.get("expires", date.min),  # without its dates, a waiver never holds
+        t.text("residual_risk"), t.text("owner"), t.text("approver"), t.get("granted"), t.get("expires"),
     )  # fmt: skip
 
 

@@ -31,7 +31,8 @@ def check(project: Project, spec: Spec) -> Iterator[Finding]:
             message = f"the waiver `{name}` is approved by `{waiver.approver}`, who owns it"
             help_ = "have it approved by another role than the one that answers for the gap"
             yield error("T234", message, waiver.approver.place, help_, name)
-        if date.min not in (waiver.granted, waiver.expires):  # a day that cannot be read was reported
+        # A day that cannot be read was reported.
+        if waiver.granted is not None and waiver.expires is not None:
             last = a_year_after(waiver.granted)
             if waiver.expires > last:
                 message = f"the waiver `{name}` holds from {waiver.granted} until {waiver.expires}, more than a year"

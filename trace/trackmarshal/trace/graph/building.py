@@ -16,7 +16,7 @@ from trackmarshal.trace.findings import Place
 from trackmarshal.trace.graph.graph import Graph, Key, Node
 from trackmarshal.trace.graph.keys import KIND, USED, external_key, uses
 from trackmarshal.trace.graph.linking import Linking
-from trackmarshal.trace.model import Entry, Project
+from trackmarshal.trace.model import Entry, Project, day_said
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec, item_place
 from trackmarshal.units import moment
@@ -199,8 +199,8 @@ class _Nodes:
             self._node("document", path, "", place, self._document(path))
         for waiver in self.project.waivers:
             attributes = {
-                "owner": str(waiver.owner), "approver": str(waiver.approver), "granted": waiver.granted.isoformat(),
-                "expires": waiver.expires.isoformat(), "residual_risk": waiver.residual_risk, "stages": ", ".join(waiver.stages),
+                "owner": str(waiver.owner), "approver": str(waiver.approver), "granted": day_said(waiver.granted),
+                "expires": day_said(waiver.expires), "residual_risk": waiver.residual_risk, "stages": ", ".join(waiver.stages),
                 "codes": ", ".join(waiver.codes), "subjects": ", ".join(waiver.subjects),
             }  # fmt: skip
             self._node("waiver", waiver.id, waiver.justification, waiver.id.place, attributes)

@@ -35,7 +35,7 @@ def record(matrix: Matrix) -> dict[str, Any]:
             {
                 "id": w.id, "stages": list(w.stages), "requirements": list(w.requirements), "codes": list(w.codes),
                 "subjects": list(w.subjects), "justification": w.justification, "residual_risk": w.residual_risk,
-                "owner": w.owner, "approver": w.approver, "granted": w.granted.isoformat(), "expires": w.expires.isoformat(), "span": str(w.id.place),
+                "owner": w.owner, "approver": w.approver, "granted": w.granted and w.granted.isoformat(), "expires": w.expires and w.expires.isoformat(), "span": str(w.id.place),
             }
             for w in matrix.waivers
         ],

@@ -7,6 +7,7 @@ import io
 
 from trackmarshal.trace.cells import Item
 from trackmarshal.trace.matrix import Matrix
+from trackmarshal.trace.model import day_said
 from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally, unreviewed
 
 
@@ -85,7 +86,7 @@ def render_markdown(matrix: Matrix) -> str:
         excused, of = waiver.stages or waiver.codes, waiver.requirements or waiver.subjects
         what = f"{', '.join(excused)} of {', '.join(of)}"
         who = f"{escaped(waiver.owner)}, approved by {escaped(waiver.approver)}"
-        said = f"{escaped(what)}, {who}, {waiver.granted} until {waiver.expires}"
+        said = f"{escaped(what)}, {who}, {day_said(waiver.granted)} until {day_said(waiver.expires)}"
         risk = f" Residual risk: {escaped(waiver.residual_risk)}" if waiver.residual_risk else ""
         lines.append(f"- **{waiver.id}** ({said}): {escaped(waiver.justification)}{risk}")
     if matrix.unreviewed:

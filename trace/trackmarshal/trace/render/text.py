@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from trackmarshal.trace.cells import Cell
 from trackmarshal.trace.findings import Finding
 from trackmarshal.trace.matrix import Matrix, Row
+from trackmarshal.trace.model import day_said
 from trackmarshal.trace.render.words import SIGNS, follows, inputs, printable, tally, unreviewed
 from trackmarshal.trace.verdict import FAIL, PASS, RESERVED
 
@@ -48,7 +49,7 @@ def _lines(matrix: Matrix, paint: _Paint, verbose: bool) -> Iterator[str]:
         yield ""
         yield "waivers:"
     for waiver in matrix.waivers:
-        until = f"{printable(waiver.owner)}, approved by {printable(waiver.approver)}, {waiver.granted} until {waiver.expires}"
+        until = f"{printable(waiver.owner)}, approved by {printable(waiver.approver)}, {day_said(waiver.granted)} until {day_said(waiver.expires)}"
         yield f"  {waiver.id} ({until}): {printable(waiver.justification)}"
         if waiver.residual_risk:
             yield f"    residual risk: {printable(waiver.residual_risk)}"

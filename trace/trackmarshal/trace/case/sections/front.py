@@ -24,7 +24,7 @@ from trackmarshal.trace.cells import STATUSES, Cell, Item
 from trackmarshal.trace.findings import LEVELS, Finding
 from trackmarshal.trace.graph.graph import Key
 from trackmarshal.trace.matrix import Row
-from trackmarshal.trace.model import Stage, Waiver
+from trackmarshal.trace.model import Stage, Waiver, day_said
 
 #: Kinds of nodes that a safety case speaks of, and that a project may lack: each with the name of what is said then.
 EXPECTED = (
@@ -184,7 +184,7 @@ def _waivers(writing: Writing, waivers: tuple[Waiver, ...]) -> Table:
     day = writing.given.matrix.today
     rows = []
     for waiver in waivers:
-        holds = waiver.granted <= day <= waiver.expires
+        holds = waiver.holds(day)
         state = Status(
             "waived" if holds else "failed", writing.words["waiver.holds" if holds else "waiver.not"]
         )
@@ -195,7 +195,7 @@ def _waivers(writing: Writing, waivers: tuple[Waiver, ...]) -> Table:
         rows.append([
             (Given(str(waiver.id)),), joined([(Given(gap),) for gap in gaps]),
             writing.line("waiver.people", owner=Given(waiver.owner), approver=Given(str(waiver.approver))),
-            (state, *writing.line("waiver.days", granted=Given(waiver.granted.isoformat()), expires=Given(waiver.expires.isoformat()))),
+            (state, *writing.line("waiver.days", granted=Given(day_said(waiver.granted)), expires=Given(day_said(waiver.expires)))),
             written(waiver.residual_risk), written(waiver.justification),
         ])  # fmt: skip
     return writing.table(columns, rows, [("waiver", str(waiver.id)) for waiver in waivers])
