@@ -231,6 +231,13 @@ def box_of(run: Run, spec: Spec, backend: str | None = None) -> Rulebox:
     """
     identity = run.identity
     own = str(identity.get("backend"))
-    evaluator = Evaluator(spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0]))
+    try:
+        evaluator = Evaluator(
+            spec, identity.get("rules"), backend or (own if own in BACKENDS else BACKENDS[0])
+        )
+    except TrackmarshalError as error:
+        if error.file is None:  # of a rule that nobody named here but the record
+            error.file = run.source or None
+        raise
     declared.check_numbers(run, spec, of_cycles(spec, evaluator.rules))
     return rulebox(evaluator, identity.get("params"), identity.get("tables"))
