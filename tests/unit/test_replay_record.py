@@ -545,3 +545,53 @@ def test_a_record_without_a_cycle_that_passed(tmp_path: Path) -> None:
 def test_a_difference_names_its_rules(column: str, old: Any, new: Any, said: list[str]) -> None:
     """Letters and arrays stood there, cut off where they are long: which rule it was, nobody could tell."""
     assert told(Difference(9, 0.9, column, old, new), ["a", "b", "c"]) == said
+
+
+@pytest.mark.parametrize("quiet", [[], ["--quiet"]])
+def test_what_is_not_known_of_a_run_is_said_where_it_is_explained(
+    quiet: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Numbers of a rule that remembers were those of a run that began where this one went on, and of a damaged record those of its front: nothing was said."""
+    whole, more, now = tmp_path / "run.arrows", tmp_path / "more.arrows", 0.0
+    first, second = (
+        tm.supervisor(shipped(), ["speed_limit"], clock=lambda: now, record=path) for path in (whole, more)
+    )
+    for number, supervisor in enumerate([first, second]):
+        now = number * PERIOD
+        supervisor.step(cycle(number))
+        if supervisor is first:
+            second.restore(first.save())
+            first.close()
+    second.close()
+    whole.write_bytes(whole.read_bytes() + more.read_bytes())
+    asked = ["--rule", "speed_limit", "--candidate", "driving", "--project", str(ROOT), *quiet]
+    for path, at, note in (
+        (more, PERIOD, "went on from where"),
+        (whole, 0.0, "behind 1 cycles it is damaged"),
+    ):
+        assert main(["explain", str(path), "--at", str(at), *asked]) == 0
+        said = capsys.readouterr()
+        assert "speed_limit: " in said.out
+        assert (note in said.err) == (not quiet)
+
+
+def test_a_rule_that_is_gone_is_one_of_the_record(
+    record: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of several records that were named, nobody could tell which one asked for it."""
+    record.write_bytes(record.read_bytes().replace(b"speed_limit", b"speed_limes"))
+    status, _, err = replay(capsys, str(record))
+    assert status == 2
+    assert "error[E401]: the spec has no rule `speed_limes`" in err
+    assert f" --> {record}\n" in err
+
+
+def test_that_nothing_differs_is_said_of_what_is_left_of_a_record(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of two records in one file, `equal` stood there of the first one, and of the other one nothing."""
+    of_bare_cycles(tmp_path, "require ego.v >= 0 m/s", [0, 1])
+    record, spec = tmp_path / "run.arrows", str(tmp_path / "bare.spec")
+    record.write_bytes(2 * record.read_bytes())
+    assert main(["diff", spec, spec, "--on", str(record)]) == 0
+    assert "note: run: behind 2 cycles it is damaged" in capsys.readouterr().err

@@ -143,7 +143,7 @@ class _Side:
 
 def _note(old: Judged, new: Judged) -> None:
     """Say which edited values and which rules a recording does not show: that nothing differs on it says nothing of them. And where it was the
-    record of a run under neither spec."""
+    record of a run under neither spec, or not all of one."""
     from trackmarshal.scenarios.fields import other_spec
     from trackmarshal.scenarios.overrides import hidden
 
@@ -152,6 +152,9 @@ def _note(old: Judged, new: Judged) -> None:
     other = other_spec(new.recording, old.evaluator) and other_spec(new.recording, new.evaluator)
     if other:
         say(f"note: {new.recording.name}: {other}", file=sys.stderr)
+    # Of the record of a run, that nothing differs on what is left of it says nothing of what is not.
+    for note in new.recording.notes if new.recording.of_run is not None else ():
+        say(f"note: {new.recording.name}: {note}", file=sys.stderr)
     unknown = [rule.name for rule in new.evaluator.rules if rule.name in old.unknown & new.unknown]
     if unknown:
         rules = ", ".join(f"`{name}`" for name in unknown)

@@ -97,6 +97,9 @@ def _verdict(args: argparse.Namespace) -> int:
     other = other_spec(recording, evaluator)
     if other and not args.quiet:
         say(f"note: {recording.name}: {other}", file=sys.stderr)
+    # What is not known of a run may be why its own verdict was another one.
+    for note in recording.notes if recording.of_run is not None and not args.quiet else ():
+        say(f"note: {recording.name}: {note}", file=sys.stderr)
     place, cycle = min(enumerate(recording.cycles), key=lambda entry: abs(entry[1].t - args.at))
     if not abs(cycle.t - args.at) <= 1e-6:  # NaN too
         raise TrackmarshalError(
