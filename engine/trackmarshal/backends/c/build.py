@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import errno
 import hashlib
@@ -13,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
@@ -138,12 +140,28 @@ def _built(
     name = digest.hexdigest()[:32]
     try:
         # In folders of their own, by the first letters: in a folder of thousands, looking takes as long as compiling something small.
-        root = Path(tempfile.mkdtemp(prefix="trackmarshal-")) if folder is None else folder / "c" / name[:2]
+        root = (_uncached() if folder is None else folder) / "c" / name[:2]
         root.mkdir(parents=True, exist_ok=True)
         return _kept(root, name, ending) or _compile(files, units, flags, root, name, ending, checked)
     except OSError as error:
         help_ = "check the folder's permissions and the space left, or name another one in TRACKMARSHAL_CACHE"
         raise TrackmarshalError("E471", f"what is compiled has no place: {error}", help=help_) from error
+
+
+@cache
+def _uncached() -> Path:
+    """What stands for the cache where there is none: a folder that this process alone has, and that goes with it.
+
+    A process that was forked has it, too, and leaves it to the one that made it.
+    """
+    folder, own = Path(tempfile.mkdtemp(prefix="trackmarshal-")), os.getpid()
+
+    def away() -> None:
+        if os.getpid() == own:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    atexit.register(away)
+    return folder
 
 
 def _kept(root: Path, name: str, ending: str) -> Path | None:
