@@ -595,3 +595,12 @@ def test_that_nothing_differs_is_said_of_what_is_left_of_a_record(
     record.write_bytes(2 * record.read_bytes())
     assert main(["diff", spec, spec, "--on", str(record)]) == 0
     assert "note: run: behind 2 cycles it is damaged" in capsys.readouterr().err
+
+
+def test_a_packed_record_is_told_to_be_one(record: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`save it as UTF-8` stood there, which destroys it."""
+    record.write_bytes(gzip.compress(record.read_bytes()))
+    status, _, err = replay(capsys, str(record))
+    assert status == 2
+    assert "error[D121]: this is the record of a run, packed" in err
+    assert "gzip -dc run.arrows" in err

@@ -47,7 +47,11 @@ def load(path: str | Path, shown: str | None = None) -> Recording:
     if data.startswith(b"\x1f\x8b"):
         from trackmarshal.scenarios import recording_io
 
-        return recording_io.decode(content.gunzip(data, shown), shown)
+        unpacked = content.gunzip(data, shown)
+        if unpacked.startswith(b"\xff\xff\xff\xff"):
+            help_ = f"unpack it: `gzip -dc {path.name} > unpacked.arrows`"
+            raise TrackmarshalError("D121", "this is the record of a run, packed", file=shown, help=help_)
+        return recording_io.decode(unpacked, shown)
     if suffix == ".jsonl" or data.startswith(b'{"format":'):
         from trackmarshal.scenarios import recording_io
 
