@@ -333,3 +333,13 @@ def test_a_waiver_without_its_days_never_holds_and_the_first_day_that_there_is_i
     shown = [render_markdown(matrix), render_text(matrix), render_json(matrix)]
     if "T125" in codes:
         assert not any("0001-01-01" in text for text in shown)
+
+
+@pytest.mark.parametrize("wrong", ["The Maintaners", "the maintainer"])
+def test_who_is_misspelt_is_asked_after_by_name(wrong: str, tmp_path: Path) -> None:
+    """Ids alone were looked at, which nobody writes: no help named the person."""
+    made = Small.copy(tmp_path)
+    (made.root / "requirements" / "assurance.yaml").write_text(PERSONS, "utf-8")
+    made.replace("requirements/v-model.yaml", "owner: the maintainers", f"owner: {wrong}")
+    (found,) = [f for f in made.matrix().findings if f.code == "T153" and f.subject == "W-1"]
+    assert "did you mean `The Maintainers`" in found.help

@@ -47,9 +47,10 @@ def _of_kind(graph: Graph, name: str) -> Iterator[Finding]:
         if state == "orphaned" or not said.help:
             wanted = link.target[1]
             if wanted not in suggested and len(suggested) < SUGGESTED:
-                suggested[wanted] = did_you_mean(
-                    wanted, (n.id for k in kind.targets for n in graph.by_kind.get(k, ()))
-                )
+                there = [n for k in kind.targets for n in graph.by_kind.get(k, ())]
+                # Persons are meant by their names, too.
+                names = [n.title for n in there if n.kind == "person"]
+                suggested[wanted] = did_you_mean(wanted, [*(n.id for n in there), *names])
             help_ = suggested.get(wanted, "") or said.help
         yield _finding(graph, link, said, help_)
 
