@@ -72,3 +72,32 @@ def test_nothing_is_written_elsewhere(tmp_path: Path, name: str) -> None:
     with pytest.raises(tarfile.TarError, match="no file of the project"):
         revisions._unpack(stream, tmp_path / "into", lambda _: True)
     assert list(tmp_path.rglob("*.spec")) == []
+
+
+@pytest.mark.parametrize(
+    ("cut", "message", "help_"),
+    [
+        ("", "which is not here", "`git -C 'the lib' fetch`"),
+        ("shallow", "which is not here", "`git -C 'the lib' fetch --unshallow`"),
+        ("moved", "git: not a git repository", None),
+    ],
+)
+def test_a_submodule_without_the_commit(cut: str, message: str, help_: str | None, tmp_path: Path) -> None:
+    """What did not help was recommended: to fetch where the history is cut, or where git does not take the folder at all, by a path in two words."""
+    own = _repository(tmp_path / "own", "module own\n")
+    sub = _repository(own / "the lib", "module lib\n")
+    who = ("-c", "user.name=n", "-c", "user.email=e", "-c", "commit.gpgsign=false")
+    lost = f"160000,{'1' * 40},the lib"
+    for words in (("update-index", "--add", "--cacheinfo", lost), ("commit", "-qm", "with a submodule")):
+        subprocess.run(["git", *who, *words], cwd=own, check=True, env=surroundings())
+    if cut == "shallow":
+        head = (sub / ".git" / "HEAD").read_text("utf-8").removeprefix("ref: ").strip()
+        (sub / ".git" / "shallow").write_text((sub / ".git" / head).read_text("utf-8"), "utf-8")
+    elif cut == "moved":
+        (sub / ".git").rename(tmp_path / "elsewhere")
+        (sub / ".git").write_text("gitdir: ../nowhere\n", "utf-8")
+    with pytest.raises(TrackmarshalError) as caught:
+        revisions.read("HEAD", own, tmp_path / "into")
+    assert message in caught.value.message
+    assert help_ is None or caught.value.help == help_
+    assert help_ is not None or "fetch" not in (caught.value.help or "")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import posixpath
+import shlex
 import shutil
 import subprocess
 import tarfile
@@ -222,10 +223,13 @@ def _is_checked_out(submodule: _Entry, name: str, project: Path) -> bool:
     except TrackmarshalError:
         if next(there.rglob("*.spec"), None) is None:
             return False
-        message = (
-            f"`{name}` has commit {submodule.id[:12]} of the submodule `{submodule.path}`, which is not here"
-        )
-        raise TrackmarshalError("T361", message, help=f"`git -C {submodule.path} fetch`") from None
+    # Where git refuses the submodule itself, as of another owner, this says so.
+    shallow = _git(there, "rev-parse", "--is-shallow-repository", name=name).strip() == "true"
+    message = (
+        f"`{name}` has commit {submodule.id[:12]} of the submodule `{submodule.path}`, which is not here"
+    )
+    fetch = f"git -C {shlex.quote(submodule.path)} fetch{' --unshallow' * shallow}"
+    raise TrackmarshalError("T361", message, help=f"`{fetch}`")
 
 
 def _left_out(commit: str, name: str, project: Path, into: Path, paths: Iterable[str], most: int) -> None:
