@@ -74,3 +74,19 @@ def test_nobody_has_reviewed_a_hazard_whatever_the_recordings_reach() -> None:
     claimed = Finding("T254", "error", "claims more", None, subject="ODD-1", rests_on=("at S-4",))
     unread = Finding("T382", "error", "nobody has reviewed it", None, subject="H-1")
     assert causes([gone, claimed, unread], graph) == {claimed: gone}
+
+
+def test_what_a_sibling_lacks_explains_nothing_of_the_other_one() -> None:
+    """Two parts of one goal that are both below it: that the one lacks a field hid the other one, which is to be mended for itself."""
+    page = "requirements/all.yaml"
+    places = {"A": Place(page, 1), "B": Place(page, 9)}
+    nodes = [Node("requirement", name, "", place, {}) for name, place in places.items()]
+    goal = Node("safety goal", "SG", "", Place("requirements/goals.yaml", 1), {})
+    links = tuple(Link("achieves", node.key, goal.key, "covers", places[node.id]) for node in nodes)
+    graph = Graph({node.key: node for node in (*nodes, goal)}, links)
+    lacks = Finding("T120", "error", "`asil` is missing", Place(page, 2))
+    below, other = (
+        Finding("T160", "error", "below its goal", node.place, subject=node.id, about=("SG",))
+        for node in nodes
+    )
+    assert causes([lacks, below, other], graph) == {below: lacks}

@@ -222,6 +222,8 @@ class _Folding:
                         # Nothing was changed, and no test is lacking, since a cell is open.
                         or (self._key[other][0] == OPEN and (step <= UNREAD or finding.code in _OF_TESTS))
                         or not _explains(other, finding)
+                        # Of two parts that are below one goal, what the one follows from says nothing of the other.
+                        or (other is not root and _siblings(other, finding))
                         # A contract of which a rule that is gone reads nothing any more is to all others what it was.
                         or (other.code == "T372" and root.code == "T222")
                         # A run comes out as it does whether rules have tests or not: only cells that hold such a rule are open for want of one.
@@ -340,6 +342,11 @@ def _explains(other: Finding, finding: Finding) -> bool:
         )
     # No cell is open for want of a reader.
     return other.code != "T382" or finding.code in _OF_REVIEWS
+
+
+def _siblings(one: Finding, other: Finding) -> bool:
+    """Whether two findings say the same of two things that share what their integrity level is held against."""
+    return one.code == other.code and one.code in ("T143", "T160") and one.subject != other.subject
 
 
 def _step(finding: Finding, gone: set[str]) -> int:
