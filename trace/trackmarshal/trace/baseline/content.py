@@ -17,7 +17,7 @@ from trackmarshal.trace.graph import schema
 from trackmarshal.trace.graph.conditions import in_si
 from trackmarshal.trace.graph.graph import Graph
 from trackmarshal.trace.graph.reviewed import unreviewed
-from trackmarshal.trace.model import Project, TestReport, day_said
+from trackmarshal.trace.model import Project, TestReport
 from trackmarshal.trace.outside import Outside
 from trackmarshal.trace.spec import Spec
 
@@ -309,8 +309,8 @@ def _v_model(project: Project, spec: Spec, hashes: Hashes) -> Iterator[tuple[str
         yield f"waiver {w.id}", {
             "stages": _list(w.stages), "requirements": _list(w.requirements), "codes": _list(w.codes), "subjects": _list(w.subjects),
             "justification": _hash(w.justification), "residual_risk": _hash(w.residual_risk) if w.residual_risk else "",
-            "owner": w.owner, "approver": str(w.approver), "granted": day_said(w.granted),
-            "expires": day_said(w.expires),
+            "owner": w.owner, "approver": str(w.approver), "granted": w.granted.isoformat() if w.granted else "",
+            "expires": w.expires.isoformat() if w.expires else "",
         }  # fmt: skip
 
 
