@@ -146,7 +146,7 @@ KNOWN = [
     ("signals.yellow", "int 0"), ("signals.yellow", "float 0.0"), ("signals.yellow", "Decimal Decimal('1')"), ("signals.track.closed", "NoneType None"),
     ("signals.track.closed", "int 0"), ("signals.objects.kind", "dict"), ("signals.objects.kind", "set"), ("driving.gear", "True at 0"),
     ("driving.gear", "b'1' at 0"), ("driving.gear", "text"), ("driving.gear", "[1] at 0"), ("signals.ego.grip", "Fraction Fraction(1, 1)"),
-    ("signals.ego.lit", "bool True"), ("signals.ego.lit", "bool np.True_"), ("signals.ego.gear", "ndarray array('d', dtype='<U1')"),
+    ("signals.ego.lit", "bool True"), ("signals.ego.lit", f"{type(np.True_).__name__} {np.True_!r}"), ("signals.ego.gear", "ndarray array('d', dtype='<U1')"),
     ("signals.posts.id", "repeated"), ("signals.posts.id", "longer"), ("signals.posts.id", "None at 0"), (IDS, "int 1"), (IDS, "set"),
     ("signals", "NoneType None"), ("signals.stop", "dict"), ("signals.track.left", "str ''"),
 ]  # fmt: skip

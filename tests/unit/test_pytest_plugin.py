@@ -419,7 +419,7 @@ def test_what_a_hook_passes_and_never_calls_has_failed(project: Path) -> None:
 
 
 def test_a_coroutine_that_a_plugin_awaits_is_a_test(project: Path) -> None:
-    """As anyio does, which asks whether a function is one; what nothing awaits, pytest fails by itself."""
+    """As anyio does, which asks whether a function is one; what nothing awaits, pytest fails by itself, or skips before its version 8.4."""
     (project / "tests" / "conftest.py").write_text(
         "import asyncio, inspect, pytest\n\n@pytest.hookimpl(tryfirst=True)\ndef pytest_pyfunc_call(pyfuncitem):\n"
         "    if inspect.iscoroutinefunction(pyfuncitem.obj) and 'left' not in pyfuncitem.name:\n"
@@ -429,9 +429,9 @@ def test_a_coroutine_that_a_plugin_awaits_is_a_test(project: Path) -> None:
     tests = f"import pytest\n{mark}def test_fails(): assert 1 == 2\n{mark}def test_holds(): ...\n{mark}def test_is_left(): ...\n{mark}def test_returns(): return 1\n"
     run(project, tests, "--trackmarshal-results=out/a.json")
     found = [test for test in load(project / "out" / "a.json").items if isinstance(test, ExternalTest)]
-    assert {test.name: test.outcome for test in found} == {
-        "test_fails": "failed", "test_holds": "passed", "test_is_left": "failed", "test_returns": "failed",
-    }  # fmt: skip
+    outcomes = {test.name: test.outcome for test in found}
+    assert outcomes.pop("test_is_left") in ("failed", "skipped")
+    assert outcomes == {"test_fails": "failed", "test_holds": "passed", "test_returns": "failed"}
 
 
 def test_a_message_that_no_file_can_hold_is_written_all_the_same(project: Path) -> None:
