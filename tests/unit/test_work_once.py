@@ -83,6 +83,25 @@ def test_what_others_set_aside_stays_there() -> None:
     assert said.split()[1:3] == ["True", "True"]
 
 
+AT_THE_END = """
+import atexit, gc
+class InACircle:
+    def __del__(self):
+        print("looked through")
+atexit.register(lambda: print("ended"))  # what was asked for first comes last
+{command}
+circle = InACircle()
+circle.itself = circle
+del circle
+"""
+
+
+def test_what_a_command_leaves_behind_is_not_looked_through_at_its_end() -> None:
+    assert in_a_process_of_its_own(AT_THE_END.format(command="")).split() == ["ended", "looked", "through"]
+    command = "import trackmarshal.cli.main"
+    assert in_a_process_of_its_own(AT_THE_END.format(command=command)) == "ended"
+
+
 def test_a_cycle_is_read_while_somebody_else_imports_masked_arrays(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of which the module is there before what it holds: no cycle ends in an error of that."""
     monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))

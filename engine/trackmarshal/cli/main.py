@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import atexit
 import codecs
+import gc
 import importlib
 import io
 import os
@@ -42,6 +44,9 @@ VERBS = {
 #: Formats that are JSON.
 JSON = ("json", "jsonl", "sarif")
 OK, FINDINGS, UNUSABLE, INTERNAL = 0, 1, 2, 3
+
+# What there is at the end of a process is gone with its memory: unless it is set aside, Python first goes through all of it for garbage.
+atexit.register(gc.freeze)
 
 
 def main(argv: list[str] | None = None) -> int:
