@@ -13,10 +13,10 @@ from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.whole.engine import Engine, why_by_cycle
 from trackmarshal.backends.numpy.whole.leaves import Leaves, of_arrays, of_frames
 from trackmarshal.backends.numpy.whole.outcomes import Outcome, Said, Saying, following
-from trackmarshal.backends.over_run.program import explained, remembers
+from trackmarshal.backends.over_run.program import explained
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.ir.overrun import FURTHEST, leaves, nanoseconds
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import RuleInfo, Spec, remembers
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import SAFE_CODES
 from trackmarshal.runtime.stamps import stamp_after

@@ -21,11 +21,10 @@ from support.remembering import NAMES, remembering, sources
 from support.supervised import ROOT
 from trackmarshal.backends.c.build import compiler
 from trackmarshal.backends.c.saving import MOST_BYTES, words
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.cli.main import main
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import loads
-from trackmarshal.ir.spec import Spec
+from trackmarshal.ir.spec import Spec, remembers
 from trackmarshal.runtime.cycle import Cycle, Limits
 from trackmarshal.runtime.record.decided import decided
 from trackmarshal.runtime.record.reading import Run, read

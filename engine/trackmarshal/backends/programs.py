@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from trackmarshal.backends.over_run.program import Remembering, remembers
+from trackmarshal.backends.over_run.program import Remembering
+from trackmarshal.ir.spec import remembers
 
 if TYPE_CHECKING:
     from trackmarshal.ir.spec import RuleInfo, Spec

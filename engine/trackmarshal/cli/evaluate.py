@@ -106,7 +106,7 @@ def run(args: argparse.Namespace) -> int:
 
 def refuse_over_run(rules: Iterable[RuleInfo], help_: str) -> None:
     """Raise E407 where a rule speaks of other cycles than the one that a case is."""
-    from trackmarshal.backends.over_run.program import remembers
+    from trackmarshal.ir.spec import remembers
 
     over = next((rule for rule in rules if remembers(rule)), None)
     if over is not None:

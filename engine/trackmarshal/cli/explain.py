@@ -78,9 +78,9 @@ def _code(code: str) -> int:
 
 
 def _verdict(args: argparse.Namespace) -> int:
-    from trackmarshal.backends.over_run.program import remembers
     from trackmarshal.cli.record import is_record
     from trackmarshal.cli.replay import default_spec, evaluator_for, overruled
+    from trackmarshal.ir.spec import remembers
     from trackmarshal.scenarios import load
     from trackmarshal.scenarios.fields import other_spec
     from trackmarshal.scenarios.overrides import known_tables

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import remembers
 from trackmarshal.runtime.verdict import VERDICTS
 from trackmarshal.scenarios.overrides import known_tables
 from trackmarshal.scenarios.recording import CANDIDATES, Recording

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from trackmarshal.backends.over_run.history import History, Past, Settled
 from trackmarshal.backends.over_run.keeping import past
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.backends.reference.functions import Functions
 from trackmarshal.explaining.course import along_course
 from trackmarshal.explaining.telling import behind, behind_over_run
-from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.ir.spec import RuleInfo, remembers
 from trackmarshal.runtime.contract import FOLLOWED, IS_EMERGENCY, PLAN
 from trackmarshal.runtime.driven import as_driven, in_doubt
 from trackmarshal.runtime.verdict import RuleResult, Said

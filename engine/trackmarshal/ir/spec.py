@@ -233,6 +233,11 @@ class RuleInfo(Node):
         return self.severity == ADVISORY
 
 
+def remembers(rule: RuleInfo) -> bool:
+    """Whether what a rule says of a cycle depends on others."""
+    return rule.over_run or rule.course is not None
+
+
 class RulebookInfo(Node):
     """A pre-order of rules: all that it names, and what is said of them, those of the rulebook that it builds on first.
 

@@ -11,11 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache, partial
 from typing import Any
 
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, formula_atoms, own_unit, undecided
-from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.ir.spec import RuleInfo, remembers
 from trackmarshal.runtime.verdict import RuleResult, Said
 from trackmarshal.scenarios.fields import other_spec
 from trackmarshal.scenarios.in_force import in_force

@@ -10,9 +10,10 @@ from typing import Any, NoReturn
 
 from trackmarshal.backends.over_run.history import Past
 from trackmarshal.backends.over_run.keeping import Keeping
-from trackmarshal.backends.over_run.program import Remembering, remembers
+from trackmarshal.backends.over_run.program import Remembering
 from trackmarshal.errors import TrackmarshalError, wrong_type
 from trackmarshal.evaluation import Evaluator
+from trackmarshal.ir.spec import remembers
 from trackmarshal.runtime.contract import FOLLOWED
 from trackmarshal.runtime.cycle import DRIVING, EMERGENCY, Cycle
 from trackmarshal.runtime.decision import Decision

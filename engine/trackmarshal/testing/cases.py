@@ -7,7 +7,7 @@ from typing import Any
 
 from trackmarshal.diagnostics.base import Diagnostic
 from trackmarshal.ir.overrun import nanoseconds
-from trackmarshal.ir.spec import RuleInfo
+from trackmarshal.ir.spec import RuleInfo, remembers
 from trackmarshal.node import Node
 from trackmarshal.semantics.causes import told_once
 from trackmarshal.semantics.compile import Compiled
@@ -113,8 +113,6 @@ def _prepared(compiled: Compiled, module: str, item: ast.Test, rule: RuleInfo | 
 
 def _after(giving: Given, entry: ast.After, rule: RuleInfo | None) -> float:
     """How long after the cycle before the next one comes [s]."""
-    from trackmarshal.backends.over_run.program import remembers  # which `check` does not wait for otherwise
-
     if rule is not None and not remembers(rule):
         giving.fail(entry.span, f"`{rule.name}` speaks of one cycle alone", "a test for each cycle")
     seconds = giving.number(entry.time, "s", "the time of the next cycle")

@@ -9,12 +9,12 @@ from functools import partial
 from itertools import groupby
 from typing import Any, NamedTuple
 
-from trackmarshal.backends.over_run.program import Remembering, remembers
+from trackmarshal.backends.over_run.program import Remembering
 from trackmarshal.errors import TrackmarshalError
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.margins import SCALED, margin_units
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import RuleInfo, Spec, remembers
 from trackmarshal.records.tests import apart, not_on_it
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, RuleResult

@@ -295,11 +295,6 @@ class Remembering:
         return Rated(verdicts, margins, explain, self._advisory)
 
 
-def remembers(rule: RuleInfo) -> bool:
-    """Whether what a rule says of a cycle depends on others."""
-    return rule.over_run or rule.course is not None
-
-
 def _places(rules: Sequence[RuleInfo]) -> list[tuple[bool, int]]:
     counts = {True: 0, False: 0}
     places = []

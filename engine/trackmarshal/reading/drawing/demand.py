@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.sharing import representatives
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.reference.evaluator import Reference
 from trackmarshal.ir import nodes as ir
 from trackmarshal.ir.interning import Interner
 from trackmarshal.ir.margins import SCALED
 from trackmarshal.ir.reads import reads
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import RuleInfo, Spec, remembers
 from trackmarshal.lowering.expressions import Lowering
 from trackmarshal.lowering.rules import clauses
 from trackmarshal.reading.drawing.quantities import Quantity, Undrawable, quantities

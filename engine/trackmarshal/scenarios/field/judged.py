@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import CHUNK, Evaluator
+from trackmarshal.ir.spec import remembers
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.program import Judged, Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS, RuleResult

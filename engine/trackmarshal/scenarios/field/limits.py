@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.evaluation import Evaluator
 from trackmarshal.ir.nodes import Param, below
-from trackmarshal.ir.spec import ParamInfo, RuleInfo
+from trackmarshal.ir.spec import ParamInfo, RuleInfo, remembers
 from trackmarshal.runtime.frame import Frame, Settings
 from trackmarshal.runtime.program import Program
 from trackmarshal.runtime.verdict import UNSAFE, VERDICTS

@@ -9,10 +9,9 @@ from types import MappingProxyType
 from trackmarshal.backends.numpy.program import NumpyProgram
 from trackmarshal.backends.numpy.views import CaseView
 from trackmarshal.backends.over_run.lives import Without, no_place
-from trackmarshal.backends.over_run.program import remembers
 from trackmarshal.backends.results import rule_result
 from trackmarshal.ir.margins import undecided
-from trackmarshal.ir.spec import RuleInfo, Spec
+from trackmarshal.ir.spec import RuleInfo, Spec, remembers
 from trackmarshal.runtime.frame import Frame
 from trackmarshal.runtime.verdict import VERDICTS, About, RuleResult
 
