@@ -242,6 +242,13 @@ def test_wrong_lines_are_refused_with_their_number(text: str, code: str, line: i
     assert caught.value.help
 
 
+def test_who_gives_a_cycle_twice_is_told_to_take_it_out() -> None:
+    """Sorting the cycles, which was all that it said, leaves both."""
+    with pytest.raises(TrackmarshalError) as caught:
+        recording_io.decode(f"{HEAD}\n{FIRST}\n{FIRST}".encode(), "x")
+    assert "take out those given twice" in str(caught.value.help)
+
+
 @pytest.mark.parametrize("other", ["1e999", "-1e999", "true"])
 @pytest.mark.parametrize("place", [0, 1])
 def test_one_number_of_a_column_that_is_none(other: str, place: int) -> None:

@@ -136,7 +136,7 @@ def decode(data: bytes, shown: str) -> Recording:
             cycle, truth = structure.cycle(_object(text, number, shown))
             if cycles and cycle.t <= cycles[-1].t:
                 message = f"time {moment(cycle.t)} s does not come after {moment(cycles[-1].t)} s"
-                raise _error("D130", message, number, shown, "sort the cycles")
+                raise _error("D130", message, number, shown, "sort the cycles, take out those given twice")
             if truths and truth.keys() != truths[0].keys():
                 raise _error("D141", "ground_truth differs from the first cycle's", number, shown, _SCHEMA)
             cycles.append(cycle)
