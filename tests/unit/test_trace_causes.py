@@ -90,3 +90,23 @@ def test_what_a_sibling_lacks_explains_nothing_of_the_other_one() -> None:
         for node in nodes
     )
     assert causes([lacks, below, other], graph) == {below: lacks}
+
+
+@pytest.mark.parametrize("code", ["T211", "T212", "T222", "T372"])
+def test_no_document_takes_from_specs_but_the_one_that_names_them(code: str) -> None:
+    """A hazard without an ASIL was said to be why a rule is gone, and why another one has no test: neither was shown until the hazard was mended."""
+    settings, spec = "requirements/v-model.yaml", "specs/truck.spec"
+    stage = Node("stage", "S-1", "rules", Place(settings, 20), {})
+    graph = Graph({stage.key: stage}, ())
+    lost = Finding(code, "error", "not there", None, subject="a_rule", gone=code not in ("T211", "T212"))
+    lacking = [
+        Finding("T120", "error", f"the hazard has no `{field}`", Place("requirements/hazards.yaml", 4))
+        for field in ("asil", "exposure")
+    ]
+    assert causes([*lacking, lost], graph) == {}
+    broken = Finding("E301", "error", "cannot compare", Place(spec, 7))
+    assert causes([*lacking, broken, lost], graph) == {lost: broken}
+    named = Finding("T121", "error", "the project has no field `spec`", Place(settings, 7))
+    assert causes([named, lost], graph) == ({} if code == "T211" else {lost: named})
+    fewer = Finding("T371", "error", "fewer specs are read", Place("requirements/baseline.json"))
+    assert causes([fewer, lost], graph) == ({lost: fewer} if lost.gone else {})

@@ -8,7 +8,7 @@ cannot be read. Nothing is taken away by this: what follows is a finding as befo
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from trackmarshal.trace.findings import LEVELS, Finding, Place
 from trackmarshal.trace.graph.graph import Graph
@@ -107,6 +107,8 @@ _OF_TESTS = frozenset({"T211", "T212"})
 _OF_TESTS_AND_READERS = _OF_TESTS | {"T382"}
 #: Beside errors of specs, what may be why a rule has no test: tests stand in specs, and no document, contract or scenario takes one away.
 _TAKES_TESTS = frozenset({"T202", "T213", "T221", "T222", "T374"})
+#: What is said of what stands in specs alone. Of all documents, only that of the V-model takes it away: it names the specs, and how many tests a rule needs.
+_OF_SPECS = _OF_TESTS | {"T222", "T372"}
 #: So many links away something is looked for that a finding may rest on: a run rests on rules, and these on parameters.
 _FAR = 2
 #: Steps of which two findings about one thing are told as one.
@@ -158,6 +160,14 @@ class _Folding:
             for number, f in enumerate(findings)
         }
         self._found = sorted(findings, key=self._key.__getitem__)
+        settings = {
+            node.place.file
+            for node in graph.nodes.values()
+            if node.kind == "stage" and node.place is not None
+        }
+        #: The first two, and the first two that may be why something is not there that stands in specs.
+        self._first = self._found[:2]
+        self._first_of_specs = [f for f in self._found if _takes_specs(f, settings)][:2]
         #: By name of what findings are about, those that are alike in all that decides whether others follow from them, the earliest first.
         self._alike: dict[str, dict[_Kind, deque[Finding]]] = defaultdict(dict)
         #: And by name those that follow from something, one for each that they follow from: a document may have thousands of them.
@@ -293,9 +303,8 @@ class _Folding:
                 return judge
         if not (finding.gone or finding.code in _OF_ABSENCE):
             return None
-        for first in self._found[
-            :2
-        ]:  # a file that cannot be read comes first; else that fewer specs are read
+        # A file that cannot be read comes first; else that fewer specs are read.
+        for first in self._first_of_specs if finding.code in _OF_SPECS else self._first:
             read = (self._key[first][0] <= UNUSABLE and first.code not in _OF_FILES) or (
                 finding.gone and first.code == "T371" and not first.subject
             )
@@ -324,6 +333,16 @@ class _Folding:
             seen.update(following)
             now = list(dict.fromkeys(following))
             yield now
+
+
+def _takes_specs(finding: Finding, settings: Collection[str]) -> bool:
+    """Whether what cannot be read may be specs: itself, or the document of the V-model, which names them and is one of `settings` where it could be read.
+
+    That it demands less than the baseline (T371) is said of the baseline.
+    """
+    if not finding.code.startswith("T") or finding.code == "T371" or finding.place is None or not settings:
+        return True
+    return finding.place.file in settings
 
 
 def _explains(other: Finding, finding: Finding) -> bool:
