@@ -77,3 +77,11 @@ def test_no_interval_and_no_mileage_is_none(shuttle: Path, file: str, old: str, 
     edit(shuttle, f"requirements/{file}.yaml", old, new)
     found = [str(f["message"]) for f in findings(shuttle, "T124")]
     assert [said.startswith(field) for said in found] == [True] * bool(field)
+
+
+def test_what_is_wrong_with_the_name_of_a_method_is_said(shuttle: Path) -> None:
+    """`HIL test` was said to be none such as `fault injection`, which tells nobody that its capitals are why."""
+    edit(shuttle, NEEDS, "    verification: [test, fault injection]\n    metrics: [braking]\n", "    verification: [test, HIL test]\n    metrics: [braking]\n")  # fmt: skip
+    (found,) = [str(f["message"]) for f in findings(shuttle, "T124")]
+    assert "`HIL test`" in found
+    assert "small letters" in found

@@ -38,7 +38,7 @@ _END = Text(
 )
 PERSONS = Many(ANY_ID, 1)
 #: Which there are, the schema of links says.
-METHOD = Text(r"[a-z]+([ -][a-z0-9]+)*", "a method such as `fault injection`")
+METHOD = Text(r"[a-z]+([ -][a-z0-9]+)*", "a method in small letters such as `fault injection`")
 
 DOMAIN = Record("domain", "Conditions under which the vehicle is meant to drive.", (
     Field("id", ANY_ID, "Unique, such as `ODD-1`."),
