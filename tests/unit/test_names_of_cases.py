@@ -137,6 +137,17 @@ def test_so_are_cycles_of_which_later_ones_say_something(tmp_path: Path) -> None
     assert run_command(*command)[1].splitlines()[-1].split() == ["recovers", "3", "violated", "-1"]
 
 
+def test_the_help_says_of_what_is_open_at_the_end_that_it_has_a_line_of_its_own(tmp_path: Path) -> None:
+    """Whoever read one line a cycle, as it said, took a run as safe of which a deadline was missed."""
+    (tmp_path / "run.spec").write_text(RUN, encoding="utf-8")
+    (tmp_path / "run.jsonl").write_text('{"t": 0, "signals": {"ego": {"v": 9}}}\n', "utf-8")
+    command = ("eval", str(tmp_path / "run.spec"), "--run", "--data", str(tmp_path / "run.jsonl"))
+    status, out, _ = run_command(*command, "--format", "jsonl")
+    cycle, last = [json.loads(line) for line in out.splitlines()]
+    assert (status, cycle["safe"], list(last)) == (1, True, ["end"])
+    assert '{"end": ' in run_command("eval", "--help")[1]
+
+
 @pytest.mark.parametrize("backend", ["numpy", "reference"])
 def test_cycles_have_what_a_rule_comes_to_at_every_sample_too(backend: str, tmp_path: Path) -> None:
     """Of a run, `--series` went unheard."""

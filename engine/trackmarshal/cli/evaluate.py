@@ -5,6 +5,7 @@ The exit status is 1 when a case is not safe, 2 when a line could not be read.
 trackmarshal eval specs/supervisor --data cases.jsonl --rule friction --format jsonl
 
 With --run, lines are the cycles of one run, each with its stamp: {"t": 0.1, "signals": {...}}. Rules over the run then remember.
+Where windows are open after the last cycle, a last line more says what became of them: {"end": {RULE: [...]}}; no cycle's `safe` has it.
 """
 
 from __future__ import annotations
